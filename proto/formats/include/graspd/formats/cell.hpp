@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+
+#include "graspd/formats/yaml.hpp"
+#include "graspd/types/request.hpp"
+
+/// Files that describe a cell: its camera's calibration, its bin, its gripper.
+namespace graspd {
+
+struct CameraCalibration {
+  CameraIntrinsics camera;
+  double depth_scale_m = 0.001;
+  Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
+};
+
+/// Reads an OpenCV calibration file (image_width, image_height, camera_matrix,
+/// distortion_coefficients), with our optional keys depth_scale_m and T_base_camera (16 numbers row
+/// by row, metres). Where T_base_camera is absent, the camera looks straight down: base z is −z of
+/// the optical frame.
+Result<CameraCalibration> read_camera(const std::filesystem::path& path);
+
+/// The camera's pose in a base whose origin is at the camera and whose z points up, for a camera
+/// that looks straight down.
+Eigen::Isometry3d looking_down();
+
+/// The keys of a `bin:` section: T_base_bin, inner_size_m, wall_thickness_m.
+Bin read_bin(YamlMap map);
+/// The keys of a `gripper:` section, as the members of Gripper.
+Gripper read_gripper(YamlMap map);
+
+/// A cell file: `bin:` and `gripper:` sections, either of them optional.
+struct Cell {
+  std::optional<Bin> bin;
+  Gripper gripper;
+};
+Result<Cell> read_cell(const std::filesystem::path& path);
+
+}  // namespace graspd

@@ -1,0 +1,104 @@
+#include "graspd/formats/cell.hpp"
+
+namespace graspd {
+
+Eigen::Isometry3d looking_down() {
+  Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
+  T_base_camera.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  return T_base_camera;
+}
+
+namespace {
+
+/// OpenCV writes matrices as {rows, cols, dt, data}.
+std::vector<double> read_matrix(YamlMap& root, std::string_view key) {
+  YamlMap map = root.map(key);
+  int rows = 0;
+  int cols = 0;
+  std::string type;
+  std::vector<double> data;
+  map.required("rows", rows);
+  map.required("cols", cols);
+  map.optional("dt", type);
+  map.required("data", data);
+  if (static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols) != data.size()) {
+    root.fault(key,
+               fmt::format("'{}' says {} × {} but has {} numbers", key, rows, cols, data.size()));
+    data.clear();
+  }
+  return data;
+}
+
+}  // namespace
+
+Result<CameraCalibration> read_camera(const std::filesystem::path& path) {
+  CameraCalibration calibration;
+  calibration.T_base_camera = looking_down();
+  YamlDocument document(path);
+  YamlMap root = document.root();
+  CameraIntrinsics& camera = calibration.camera;
+  root.required("image_width", camera.width_px);
+  root.required("image_height", camera.height_px);
+  const std::vector<double> K = read_matrix(root, "camera_matrix");
+  if (K.size() == 9) {
+    camera.fx_px = K[0];
+    camera.cx_px = K[2];
+    camera.fy_px = K[4];
+    camera.cy_px = K[5];
+  } else if (!K.empty()) {
+    root.fault("camera_matrix", "'camera_matrix' must be 3 × 3");
+  }
+  if (root.has("distortion_coefficients")) {
+    const std::vector<double> k = read_matrix(root, "distortion_coefficients");
+    if (k.size() > camera.distortion.size()) {
+      root.fault("distortion_coefficients", "only k1, k2, p1, p2, k3 are supported");
+    } else {
+      std::copy(k.begin(), k.end(), camera.distortion.begin());
+    }
+  }
+  for (const std::string_view informational :
+       {"calibration_time", "camera_name", "avg_reprojection_error"}) {
+    root.has(informational);
+  }
+  root.optional("depth_scale_m", calibration.depth_scale_m);
+  root.optional("T_base_camera", calibration.T_base_camera);
+  if (auto ok = document.finish(); !ok) return tl::unexpected(ok.error());
+  if (auto ok = validate(camera); !ok) {
+    return invalid("{}: {}", path.string(), ok.error().message);
+  }
+  return calibration;
+}
+
+Bin read_bin(YamlMap map) {
+  Bin bin;
+  map.required("T_base_bin", bin.T_base_bin);
+  map.required("inner_size_m", bin.inner_size_m);
+  map.optional("wall_thickness_m", bin.wall_thickness_m);
+  return bin;
+}
+
+Gripper read_gripper(YamlMap map) {
+  Gripper gripper;
+  map.optional_enum("kind", gripper.kind);
+  map.optional("min_opening_m", gripper.min_opening_m);
+  map.optional("max_opening_m", gripper.max_opening_m);
+  map.optional("clearance_m", gripper.clearance_m);
+  map.optional("standoff_m", gripper.standoff_m);
+  map.optional("retreat_m", gripper.retreat_m);
+  map.optional("jaw_size_m", gripper.jaw_size_m);
+  map.optional("palm_size_m", gripper.palm_size_m);
+  map.optional("cup_diameter_m", gripper.cup_diameter_m);
+  return gripper;
+}
+
+Result<Cell> read_cell(const std::filesystem::path& path) {
+  Cell cell;
+  YamlDocument document(path);
+  YamlMap root = document.root();
+  if (root.has("bin")) cell.bin = read_bin(root.map("bin"));
+  cell.gripper = read_gripper(root.map("gripper"));
+  if (auto ok = document.finish(); !ok) return tl::unexpected(ok.error());
+  return cell;
+}
+
+}  // namespace graspd

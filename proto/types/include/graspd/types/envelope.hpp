@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "graspd/types/answer.hpp"
+#include "graspd/types/request.hpp"
+
+namespace graspd {
+
+inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::size_t kMaxRequestEnvelope_bytes = 16 * 1024;
+inline constexpr std::size_t kMaxPayload_bytes = 1024 * 1024;
+inline constexpr std::size_t kMaxAnswer_bytes = 256 * 1024;
+
+using RequestId = std::array<std::uint8_t, 16>;
+
+enum class DepthEncoding { kRaw, kRvl };
+
+template <>
+struct EnumNames<DepthEncoding> {
+  static constexpr std::string_view what = "depth encoding";
+  static constexpr std::pair<DepthEncoding, std::string_view> values[] = {
+      {DepthEncoding::kRaw, "raw"}, {DepthEncoding::kRvl, "rvl"}};
+};
+
+/// What the envelope says of the depth image, which travels as its own ZeroMQ frame.
+struct FrameDescription {
+  CameraIntrinsics camera;
+  double depth_scale_m = 0.001;
+  DepthEncoding encoding = DepthEncoding::kRaw;
+  std::uint32_t payload_bytes = 0;
+  std::uint32_t payload_crc32 = 0;  ///< CRC-32 as in zlib and PNG
+};
+
+struct PlanCall {
+  FrameDescription frame;
+  PlanRequest plan;
+};
+struct HealthCall {};
+
+struct Request {
+  RequestId id{};
+  std::uint32_t attempt = 1;
+  std::string cell;
+  std::uint32_t budget_ms = 0;  ///< time left when it was sent: no clocks to compare
+  std::variant<PlanCall, HealthCall> call;
+};
+
+enum class ServerState { kStarting, kReady, kDraining };
+
+template <>
+struct EnumNames<ServerState> {
+  static constexpr std::string_view what = "server state";
+  static constexpr std::pair<ServerState, std::string_view> values[] = {
+      {ServerState::kStarting, "starting"},
+      {ServerState::kReady, "ready"},
+      {ServerState::kDraining, "draining"}};
+};
+
+struct HealthAnswer {
+  ServerState state = ServerState::kStarting;
+  std::uint32_t workers_n = 0;
+  std::uint32_t workers_busy_n = 0;
+  std::uint32_t queued_n = 0;
+  std::uint64_t answered_n = 0;
+  double uptime_s = 0;
+  std::vector<std::string> part_ids;
+  ServerInfo server;
+};
+
+/// Any code but OK comes with a message and no body.
+struct Answer {
+  RequestId id{};
+  Code code = Code::kOk;
+  std::string message;
+  std::uint32_t retry_after_ms = 0;
+  std::variant<std::monostate, PlanAnswer, HealthAnswer> body;
+};
+
+}  // namespace graspd

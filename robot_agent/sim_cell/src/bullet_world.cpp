@@ -1,0 +1,135 @@
+#include "bullet_world.hpp"
+
+#include <LinearMath/btConvexHullComputer.h>
+
+#include <algorithm>
+
+namespace graspd::sim_cell {
+namespace {
+
+constexpr double kGravity_m_s2 = 9.81;
+constexpr double kWall_m = 0.05;   // thick, so that nothing is pushed through
+constexpr double kTable_m = 4;     // what falls beside the bin lies there
+constexpr int kSolverIterations = 20;
+
+Eigen::Vector3d to_metres(const btVector3& v) {
+  return Eigen::Vector3d(v.x(), v.y(), v.z()) / kScale;
+}
+
+/// A hull drawn in by Bullet's collision margin, which then brings it back to its true size.
+std::unique_ptr<btConvexHullShape> make_hull(const ConvexPiece& piece,
+                                             const Eigen::Vector3d& origin_m) {
+  std::vector<btVector3> vertices;
+  for (const Eigen::Vector3d& p : piece.vertices_m) vertices.push_back(to_bullet(p - origin_m));
+  const auto margin = btScalar(kMargin_m * kScale);
+  btConvexHullComputer hull;
+  hull.compute(vertices.front().m_floats, sizeof(btVector3), int(vertices.size()), margin,
+               btScalar(0.4));
+  auto shape = std::make_unique<btConvexHullShape>();
+  for (int i = 0; i < hull.vertices.size(); ++i) shape->addPoint(hull.vertices[i], false);
+  shape->recalcLocalAabb();
+  shape->setMargin(margin);
+  return shape;
+}
+
+}  // namespace
+
+PartShape make_part_shape(const parts::Mesh& mesh, const ConvexPiecesOptions& options,
+                          double density_kg_m3) {
+  PartShape shape;
+  shape.centre_of_mass_m = parts::barycentre_m(mesh);
+  shape.mass_kg = std::max(0.001, density_kg_m3 * std::abs(parts::signed_volume_m3(mesh)));
+  for (const Eigen::Vector3f& vertex : mesh.vertices_m) {
+    shape.radius_m =
+        std::max(shape.radius_m, (vertex.cast<double>() - shape.centre_of_mass_m).norm());
+  }
+  shape.compound = std::make_unique<btCompoundShape>();
+  for (const ConvexPiece& piece : convex_pieces(mesh, options)) {
+    shape.pieces.push_back(make_hull(piece, shape.centre_of_mass_m));
+    shape.compound->addChildShape(btTransform::getIdentity(), shape.pieces.back().get());
+  }
+  return shape;
+}
+
+BulletWorld::BulletWorld(const Eigen::Vector3d& bin_inner_size_m, double friction,
+                         double restitution)
+    : friction_(friction), restitution_(restitution) {
+  world_.setGravity(to_bullet({0, 0, -kGravity_m_s2}));
+  world_.getSolverInfo().m_numIterations = kSolverIterations;
+  const Eigen::Vector3d& size = bin_inner_size_m;
+  add_wall({0, 0, -kWall_m / 2}, {kTable_m, kTable_m, kWall_m});
+  for (const double side : {-1.0, 1.0}) {
+    add_wall({side * (size.x() + kWall_m) / 2, 0, size.z() / 2},
+             {kWall_m, size.y() + 2 * kWall_m, size.z()});
+    add_wall({0, side * (size.y() + kWall_m) / 2, size.z() / 2}, {size.x(), kWall_m, size.z()});
+  }
+}
+
+BulletWorld::~BulletWorld() {
+  for (const auto& body : bodies_) world_.removeRigidBody(body.get());
+}
+
+void BulletWorld::add_wall(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& size_m) {
+  walls_.push_back(std::make_unique<btBoxShape>(to_bullet(size_m / 2)));
+  btRigidBody* body = add_body(walls_.back().get(), 0);
+  body->setWorldTransform(btTransform(btQuaternion::getIdentity(), to_bullet(centre_m)));
+  world_.updateSingleAabb(body);
+}
+
+btRigidBody* BulletWorld::add(const PartShape& shape) {
+  return add_body(shape.compound.get(), shape.mass_kg);
+}
+
+btRigidBody* BulletWorld::add_body(btCollisionShape* shape, double mass_kg) {
+  btVector3 inertia(0, 0, 0);
+  if (mass_kg > 0) shape->calculateLocalInertia(btScalar(mass_kg), inertia);
+  btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass_kg), nullptr, shape, inertia);
+  info.m_friction = btScalar(friction_);
+  info.m_restitution = btScalar(restitution_);
+  bodies_.push_back(std::make_unique<btRigidBody>(info));
+  btRigidBody* body = bodies_.back().get();
+  // Sleeping bodies would be "still" without being at rest.
+  body->setActivationState(DISABLE_DEACTIVATION);
+  world_.addRigidBody(body);
+  return body;
+}
+
+void BulletWorld::remove(btRigidBody* body) {
+  world_.removeRigidBody(body);
+  std::erase_if(bodies_, [body](const auto& owned) { return owned.get() == body; });
+}
+
+double BulletWorld::deepest_penetration_m() const {
+  btScalar deepest = 0;
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    const btPersistentManifold* manifold = dispatcher_.getManifoldByIndexInternal(i);
+    for (int k = 0; k < manifold->getNumContacts(); ++k) {
+      deepest = std::min(deepest, manifold->getContactPoint(k).getDistance());
+    }
+  }
+  return -double(deepest) / kScale;
+}
+
+Eigen::Isometry3d pose_of(const btRigidBody& body, const PartShape& shape) {
+  const btTransform& T = body.getWorldTransform();
+  const btQuaternion q = T.getRotation();
+  Eigen::Isometry3d T_bin_part =
+      Eigen::Translation3d(to_metres(T.getOrigin())) *
+      Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
+  return T_bin_part * Eigen::Translation3d(-shape.centre_of_mass_m);
+}
+
+void place(btRigidBody& body, const PartShape& shape, const Eigen::Isometry3d& T_bin_part,
+           const Eigen::Vector3d& velocity_m_s) {
+  const Eigen::Quaterniond q(T_bin_part.linear());
+  const btTransform T(
+      btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())),
+      to_bullet(T_bin_part * shape.centre_of_mass_m));
+  body.setWorldTransform(T);
+  body.setInterpolationWorldTransform(T);
+  body.setLinearVelocity(to_bullet(velocity_m_s));
+  body.setAngularVelocity(btVector3(0, 0, 0));
+  body.clearForces();
+}
+
+}  // namespace graspd::sim_cell

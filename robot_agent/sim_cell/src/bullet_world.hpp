@@ -1,0 +1,71 @@
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <vector>
+
+#include "graspd/sim_cell/convex_pieces.hpp"
+
+/// Bullet, made to fit parts of a few centimetres. Its tolerances are meant for bodies of about one
+/// unit, so the physics runs in decimetres: one metre is kScale units, and gravity grows with it.
+namespace graspd::sim_cell {
+
+inline constexpr double kScale = 10;
+inline constexpr double kMargin_m = 0.0005;
+
+/// The collision shape of one kind of part. Bullet takes a body's origin for its centre of mass:
+/// the pieces are shifted so that it is.
+struct PartShape {
+  std::vector<std::unique_ptr<btConvexHullShape>> pieces;
+  std::unique_ptr<btCompoundShape> compound;
+  Eigen::Vector3d centre_of_mass_m = Eigen::Vector3d::Zero();  ///< in the part frame
+  double radius_m = 0;                                         ///< about the centre of mass
+  double mass_kg = 0;
+};
+
+PartShape make_part_shape(const parts::Mesh& mesh, const ConvexPiecesOptions& options,
+                          double density_kg_m3);
+
+/// A world with gravity and a bin at its origin.
+class BulletWorld {
+ public:
+  BulletWorld(const Eigen::Vector3d& bin_inner_size_m, double friction, double restitution);
+  ~BulletWorld();
+  BulletWorld(const BulletWorld&) = delete;
+  BulletWorld& operator=(const BulletWorld&) = delete;
+
+  /// The shape must outlive the world.
+  btRigidBody* add(const PartShape& shape);
+  void remove(btRigidBody* body);
+  void step(double step_s) { world_.stepSimulation(btScalar(step_s), 0); }
+  /// Of any two bodies in contact.
+  double deepest_penetration_m() const;
+
+ private:
+  void add_wall(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& size_m);
+  btRigidBody* add_body(btCollisionShape* shape, double mass_kg);
+
+  double friction_;
+  double restitution_;
+  btDefaultCollisionConfiguration configuration_;
+  mutable btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver solver_;
+  btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+  std::vector<std::unique_ptr<btBoxShape>> walls_;
+  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+};
+
+/// Pose of the part frame in the bin, from and to a body.
+Eigen::Isometry3d pose_of(const btRigidBody& body, const PartShape& shape);
+void place(btRigidBody& body, const PartShape& shape, const Eigen::Isometry3d& T_bin_part,
+           const Eigen::Vector3d& velocity_m_s);
+
+inline btVector3 to_bullet(const Eigen::Vector3d& v_m) {
+  const Eigen::Vector3d v = v_m * kScale;
+  return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())};
+}
+
+}  // namespace graspd::sim_cell

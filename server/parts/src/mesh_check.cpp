@@ -1,0 +1,233 @@
+#include "graspd/parts/mesh_check.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "length_unit.hpp"
+#include "mesh_geometry.hpp"
+#include "mesh_topology.hpp"
+
+namespace graspd::parts {
+namespace {
+
+// Between the sizes that make_part refuses and these, a unit is likely but not surely wrong.
+constexpr double kSmallPart_m = 0.010;
+constexpr double kLargePart_m = 1.0;
+// Triangles beyond this tell a depth camera nothing, and every rendering pays for them.
+constexpr std::size_t kManyTriangles = 100'000;
+// Narrower than this, a part's shape is lost in the pixels at its silhouette.
+constexpr double kMinPixelsAcross = 8;
+// Flatter than this many standard deviations, a part that lies down is a ripple of the floor.
+constexpr double kMinThicknessSigmas = 4;
+constexpr double kKinectNearest_m = 0.5;
+
+class Findings {
+ public:
+  template <class... Args>
+  void add(Severity severity, std::string topic, fmt::format_string<Args...> format,
+           Args&&... args) {
+    findings_.push_back(
+        {severity, std::move(topic), fmt::format(format, std::forward<Args>(args)...)});
+  }
+  /// Says that all is well, unless this topic has a finding.
+  template <class... Args>
+  void add_if_none(const std::string& topic, fmt::format_string<Args...> format, Args&&... args) {
+    const bool has_one = std::any_of(findings_.begin(), findings_.end(),
+                                     [&](const MeshFinding& f) { return f.topic == topic; });
+    if (!has_one) add(Severity::kOk, topic, format, std::forward<Args>(args)...);
+  }
+  std::vector<MeshFinding> take() { return std::move(findings_); }
+
+ private:
+  std::vector<MeshFinding> findings_;
+};
+
+std::string in_mm(const Eigen::Vector3d& p_m) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g}) mm", p_m.x() * 1e3, p_m.y() * 1e3, p_m.z() * 1e3);
+}
+
+Eigen::Vector3d vertex_m(const Mesh& mesh, int index) {
+  return mesh.vertices_m[static_cast<std::size_t>(index)].cast<double>();
+}
+
+Eigen::Vector3d middle_m(const Mesh& mesh, const Edge& edge) {
+  return 0.5 * (vertex_m(mesh, edge.first) + vertex_m(mesh, edge.second));
+}
+
+Eigen::Vector3d centroid_m(const Mesh& mesh, std::size_t triangle) {
+  return triangle_of(mesh, mesh.triangles[triangle]).centroid_m();
+}
+
+/// Lengths along the principal axes, longest first.
+Eigen::Vector3d extents_m(const Mesh& mesh) {
+  const Eigen::Matrix3d to_axes = principal_axes(mesh).transpose();
+  Eigen::AlignedBox3d box;
+  for (const auto& vertex : mesh.vertices_m) box.extend(to_axes * vertex.cast<double>());
+  Eigen::Vector3d extents = box.sizes();
+  std::sort(extents.begin(), extents.end(), std::greater<>());
+  return extents;
+}
+
+void check_units(double diameter, const Eigen::Vector3d& extents, Findings& findings) {
+  const bool is_impossible = diameter < kMinDiameter_m || diameter > kMaxDiameter_m;
+  if (is_impossible || diameter < kSmallPart_m || diameter > kLargePart_m) {
+    findings.add(is_impossible ? Severity::kError : Severity::kWarning, "units",
+                 "The part is {:.4g} mm across, too {} for a bin of parts: {}.", diameter * 1e3,
+                 diameter < kSmallPart_m ? "small" : "large",
+                 probable_unit(diameter, std::nullopt));
+  }
+  findings.add_if_none("units", "The part measures {:.1f} × {:.1f} × {:.1f} mm.", extents[0] * 1e3,
+                       extents[1] * 1e3, extents[2] * 1e3);
+}
+
+void check_normals(const Mesh& mesh, const MeshTopology& topology, Findings& findings) {
+  if (!topology.inconsistent_edges.empty()) {
+    const std::size_t n = topology.reversed_triangles.size();
+    findings.add(
+        Severity::kError, "normals",
+        "{} of {} triangles {} wound against their neighbours{}, so that their normals "
+        "point into the part: use \"recalculate normals outside\" in your mesh program.",
+        n, mesh.triangles.size(), n == 1 ? "is" : "are",
+        n == 0 ? std::string()
+               : ", the first at " + in_mm(centroid_m(mesh, topology.reversed_triangles.front())));
+  } else if (topology.is_closed() && signed_volume_m3(mesh) < 0) {
+    findings.add(Severity::kWarning, "normals",
+                 "All triangles face into the part (its volume is {:.4g} cm³): graspd turns them "
+                 "over when it loads the part, but flip the normals for other programs.",
+                 signed_volume_m3(mesh) * 1e6);
+  } else if (!topology.is_closed()) {
+    findings.add(Severity::kOk, "normals",
+                 "All triangles are wound alike; whether outwards can't be told of a surface that "
+                 "is not closed.");
+  }
+  findings.add_if_none("normals", "All triangles face outwards.");
+}
+
+/// Boundary edges that hang together, as one box for each hole, the widest first.
+std::vector<Eigen::AlignedBox3d> hole_boxes_m(const Mesh& mesh, const MeshTopology& topology) {
+  DisjointSets vertices(mesh.vertices_m.size());
+  for (const auto& [a, b] : topology.boundary_edges) {
+    vertices.join(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+  }
+  std::map<std::size_t, Eigen::AlignedBox3d> box_of;
+  for (const auto& [a, b] : topology.boundary_edges) {
+    Eigen::AlignedBox3d& box = box_of[vertices.find(static_cast<std::size_t>(a))];
+    box.extend(vertex_m(mesh, a));
+    box.extend(vertex_m(mesh, b));
+  }
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const auto& [root, box] : box_of) boxes.push_back(box);
+  std::stable_sort(boxes.begin(), boxes.end(), [](const auto& a, const auto& b) {
+    return a.diagonal().norm() > b.diagonal().norm();
+  });
+  return boxes;
+}
+
+void check_edges(const Mesh& mesh, const MeshTopology& topology, Findings& findings) {
+  if (!topology.boundary_edges.empty()) {
+    const auto holes = hole_boxes_m(mesh, topology);
+    findings.add(Severity::kWarning, "holes",
+                 "The surface has {} hole{} ({} open edges), the widest {:.4g} mm across at {}: "
+                 "close {} in your mesh program, or the part's volume and barycentre are guesses.",
+                 holes.size(), holes.size() == 1 ? "" : "s", topology.boundary_edges.size(),
+                 holes.front().diagonal().norm() * 1e3, in_mm(holes.front().center()),
+                 holes.size() == 1 ? "it" : "them");
+  }
+  findings.add_if_none("holes", "The surface is closed.");
+  if (!topology.non_manifold_edges.empty()) {
+    findings.add(Severity::kWarning, "edges",
+                 "At {} edge{} more than two triangles meet, the first at {}: unite the bodies or "
+                 "remove inner faces in your CAD program.",
+                 topology.non_manifold_edges.size(),
+                 topology.non_manifold_edges.size() == 1 ? "" : "s",
+                 in_mm(middle_m(mesh, topology.non_manifold_edges.front())));
+  }
+  findings.add_if_none("edges", "No edge has more than two triangles.");
+}
+
+void check_triangles(const Mesh& mesh, const MeshTopology& topology, Findings& findings) {
+  const std::size_t n = mesh.triangles.size();
+  if (!topology.degenerate_triangles.empty()) {
+    findings.add(Severity::kWarning, "triangles",
+                 "{} of {} triangles without area, the first at {}: remove degenerate faces in "
+                 "your mesh program.",
+                 topology.degenerate_triangles.size(), n,
+                 in_mm(centroid_m(mesh, topology.degenerate_triangles.front())));
+  }
+  if (!topology.duplicate_triangles.empty()) {
+    findings.add(Severity::kWarning, "triangles",
+                 "{} of {} triangles are there twice, the first at {}: remove duplicate faces in "
+                 "your mesh program.",
+                 topology.duplicate_triangles.size(), n,
+                 in_mm(centroid_m(mesh, topology.duplicate_triangles.front())));
+  }
+  if (n > kManyTriangles) {
+    findings.add(Severity::kWarning, "triangles",
+                 "The mesh has {} triangles, more than a depth camera can see: reduce it to below "
+                 "{} (quadric edge collapse) to load and draw it faster.",
+                 n, kManyTriangles);
+  }
+  findings.add_if_none("triangles", "{} triangles, none degenerate, none twice.", n);
+}
+
+void check_pieces(const MeshTopology& topology, Findings& findings) {
+  const auto& pieces = topology.triangles_of_piece;
+  if (pieces.size() > 1) {
+    findings.add(Severity::kWarning, "pieces",
+                 "The mesh has {} separate pieces ({} triangles in the largest, {} in the "
+                 "smallest): unite them, and delete what is hidden inside or not the part.",
+                 pieces.size(), pieces.front(), pieces.back());
+  }
+  findings.add_if_none("pieces", "The mesh is one piece.");
+}
+
+void check_size(const Eigen::Vector3d& extents, const SensorResolution& sensor,
+                Findings& findings) {
+  const double across_m = extents[1];
+  const double across_px = sensor.focal_length_px * across_m / sensor.distance_m;
+  if (across_px < kMinPixelsAcross) {
+    const double needed_m = sensor.focal_length_px * across_m / kMinPixelsAcross;
+    findings.add(Severity::kWarning, "size",
+                 "At {:.2f} m the part is {:.1f} pixels wide ({:.4g} mm); telling its pose takes "
+                 "{:.0f}: bring the camera to {:.2f} m{}.",
+                 sensor.distance_m, across_px, across_m * 1e3, kMinPixelsAcross, needed_m,
+                 needed_m < kKinectNearest_m
+                     ? ", which is nearer than a Kinect v2 sees, or use one of longer focal length"
+                     : "");
+  }
+  const double thickness_m = extents[2];
+  if (thickness_m < kMinThicknessSigmas * sensor.depth_noise_m) {
+    findings.add(Severity::kWarning, "size",
+                 "The part is {:.4g} mm thick, below {:.0f} times the depth noise of {:.4g} mm: "
+                 "lying flat it can't be told from what it lies on. Nearness helps little; it "
+                 "takes a camera with a noise of at most {:.2g} mm.",
+                 thickness_m * 1e3, kMinThicknessSigmas, sensor.depth_noise_m * 1e3,
+                 thickness_m / kMinThicknessSigmas * 1e3);
+  }
+  findings.add_if_none("size", "At {:.2f} m the part is {:.0f} × {:.0f} pixels.", sensor.distance_m,
+                       sensor.focal_length_px * extents[0] / sensor.distance_m, across_px);
+}
+
+}  // namespace
+
+std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& sensor) {
+  Findings findings;
+  if (mesh.triangles.empty()) {
+    findings.add(Severity::kError, "triangles",
+                 "The mesh has 0 triangles: export the part's solid as a triangle mesh.");
+    return findings.take();
+  }
+  const MeshTopology topology = analyse_topology(mesh);
+  const Eigen::Vector3d extents = extents_m(mesh);
+  const double diameter = diameter_m(mesh);
+  check_units(diameter, extents, findings);
+  check_normals(mesh, topology, findings);
+  check_edges(mesh, topology, findings);
+  check_triangles(mesh, topology, findings);
+  check_pieces(topology, findings);
+  // Of a part in the wrong unit, pixels say nothing.
+  if (diameter >= kSmallPart_m && diameter <= kLargePart_m) check_size(extents, sensor, findings);
+  return findings.take();
+}
+
+}  // namespace graspd::parts

@@ -1,0 +1,56 @@
+#include "graspd/parts/part.hpp"
+
+#include "length_unit.hpp"
+#include "mesh_geometry.hpp"
+#include "mesh_topology.hpp"
+
+namespace graspd::parts {
+namespace {
+
+// A pixel of a Kinect v2 at 0.73 m.
+constexpr double kTemplateSpacing_m = 0.002;
+
+Result<void> check_size(const PartDescription& description, double diameter_m) {
+  if (diameter_m >= kMinDiameter_m && diameter_m <= kMaxDiameter_m) return {};
+  return invalid("part '{}': with mesh_unit '{}' the mesh {} is {:.4g} mm across, and {}",
+                 description.id, name_of(description.mesh_unit), description.mesh_file.string(),
+                 diameter_m * 1e3, probable_unit(diameter_m, description.mesh_unit));
+}
+
+/// Some exporters write solids inside out; what follows wants normals that point outwards.
+void turn_outwards(Mesh& mesh) {
+  if (!analyse_topology(mesh).is_closed() || signed_volume_m3(mesh) >= 0) return;
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+}
+
+}  // namespace
+
+Result<Part> make_part(const PartDescription& description) {
+  auto mesh = load_mesh(description.mesh_file, description.mesh_unit);
+  if (!mesh) {
+    return invalid("part '{}': {}", description.id, mesh.error().message);
+  }
+  Part part;
+  part.diameter_m = diameter_m(*mesh);
+  if (auto size = check_size(description, part.diameter_m); !size) {
+    return tl::unexpected(size.error());
+  }
+  if (surface_area_m2(*mesh) <= 0) {
+    return invalid("part '{}': the triangles of {} have no area; export the part again",
+                   description.id, description.mesh_file.string());
+  }
+  turn_outwards(*mesh);
+  part.id = description.id;
+  part.name = description.name;
+  part.bop_obj_id = description.bop_obj_id;
+  part.barycentre_m = barycentre_m(*mesh);
+  part.principal_axes = principal_axes(*mesh);
+  part.surface = sample_surface(*mesh, kTemplateSpacing_m);
+  part.mesh = std::move(*mesh);
+  part.symmetries = description.symmetries;
+  part.pick_points = description.pick_points;
+  part.color_rgb = description.color_rgb;
+  return part;
+}
+
+}  // namespace graspd::parts

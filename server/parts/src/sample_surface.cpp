@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <unordered_map>
+#include <vector>
+
+#include "mesh_geometry.hpp"
+
+// Poisson-disk sampling by dart throwing. Candidates follow a low-discrepancy sequence over the
+// area, many more than are wanted; each is kept unless a kept one is too near. Nothing is random,
+// so one mesh has one sample on every machine.
+
+namespace graspd::parts {
+namespace {
+
+// Kept points lie 0.8 spacings apart or more; thrown to exhaustion, that makes about one point per
+// spacing², and no spot of the surface is farther than a spacing from a point.
+constexpr double kMinDistanceShare = 0.8;
+constexpr double kCandidatesPerPoint = 24;
+// The two sides of a thin sheet face apart: they are sampled each for itself.
+constexpr float kSameSideCosine = -0.5F;
+
+/// Points kept so far, in cells as wide as the distance they must keep.
+class KeptPoints {
+ public:
+  explicit KeptPoints(double min_distance_m)
+      : cell_m_(min_distance_m),
+        min_squared_m2_(static_cast<float>(min_distance_m * min_distance_m)) {}
+
+  void add_unless_too_near(const SurfacePoint& candidate) {
+    const Eigen::Array3i cell =
+        (candidate.position_m.cast<double>().array() / cell_m_).floor().cast<int>();
+    // The own cell first: it holds the neighbour most often.
+    static constexpr std::array<int, 3> kSteps{0, -1, 1};
+    for (const int dx : kSteps) {
+      for (const int dy : kSteps) {
+        for (const int dz : kSteps) {
+          const auto found = cells_.find(key(cell + Eigen::Array3i(dx, dy, dz)));
+          if (found != cells_.end() && is_too_near(found->second, candidate)) return;
+        }
+      }
+    }
+    cells_[key(cell)].push_back(points_.size());
+    points_.push_back(candidate);
+  }
+
+  std::vector<SurfacePoint> take() { return std::move(points_); }
+
+ private:
+  static std::uint64_t key(const Eigen::Array3i& cell) {
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      key = key << 21U | (static_cast<std::uint64_t>(cell[axis]) & 0x1FFFFFU);
+    }
+    return key;
+  }
+
+  bool is_too_near(const std::vector<std::size_t>& indices, const SurfacePoint& candidate) const {
+    return std::any_of(indices.begin(), indices.end(), [&](std::size_t i) {
+      return (points_[i].position_m - candidate.position_m).squaredNorm() < min_squared_m2_ &&
+             points_[i].normal.dot(candidate.normal) > kSameSideCosine;
+    });
+  }
+
+  double cell_m_;
+  float min_squared_m2_;
+  std::vector<SurfacePoint> points_;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
+};
+
+/// The i-th point of Roberts' R3 sequence: powers of 1/g, g the real root of x⁴ = x + 1.
+std::array<double, 3> r3_sequence(std::uint64_t i) {
+  constexpr double kG = 1.22074408460575947536;
+  std::array<double, 3> value{};
+  double step = 1;
+  for (double& v : value) {
+    step /= kG;
+    const double x = 0.5 + step * static_cast<double>(i);
+    v = x - std::floor(x);
+  }
+  return value;
+}
+
+Eigen::Vector3d point_in(const Triangle& triangle, double r1, double r2) {
+  const double s = std::sqrt(r1);
+  return (1 - s) * triangle.corners_m[0] + s * (1 - r2) * triangle.corners_m[1] +
+         s * r2 * triangle.corners_m[2];
+}
+
+}  // namespace
+
+std::vector<SurfacePoint> sample_surface(const Mesh& mesh, double spacing_m) {
+  if (!(spacing_m > 0)) throw std::invalid_argument("sample_surface: the spacing must be above 0");
+  std::vector<double> area_up_to_m2;
+  double area_m2 = 0;
+  for (const auto& indices : mesh.triangles) {
+    area_up_to_m2.push_back(area_m2 += triangle_of(mesh, indices).area_m2());
+  }
+  const auto candidates_n = static_cast<std::uint64_t>(
+      std::ceil(kCandidatesPerPoint * area_m2 / (spacing_m * spacing_m)));
+  KeptPoints kept(kMinDistanceShare * spacing_m);
+  for (std::uint64_t i = 0; i < candidates_n; ++i) {
+    const auto [r0, r1, r2] = r3_sequence(i);
+    // The first triangle that ends beyond r0: never one without area.
+    const auto chosen = std::upper_bound(area_up_to_m2.begin(), area_up_to_m2.end(), r0 * area_m2);
+    if (chosen == area_up_to_m2.end()) continue;
+    const Triangle triangle =
+        triangle_of(mesh, mesh.triangles[static_cast<std::size_t>(chosen - area_up_to_m2.begin())]);
+    kept.add_unless_too_near({point_in(triangle, r1, r2).cast<float>(),
+                              triangle.area_vector_m2().normalized().cast<float>()});
+  }
+  return kept.take();
+}
+
+}  // namespace graspd::parts

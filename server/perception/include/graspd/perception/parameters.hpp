@@ -1,0 +1,85 @@
+#pragma once
+
+#include <string>
+
+#include "graspd/types/request.hpp"
+
+/// Every number the pipeline can be tuned by. The defaults are these; deploy/server.yaml documents
+/// how to change them.
+namespace graspd::perception {
+
+/// Lengths that follow the part's size are given as shares of its diameter.
+struct PreprocessParameters {
+  double min_depth_m = 0.3;
+  double max_depth_m = 4.5;
+  double voxel_m = 0.002;
+  double wall_margin_m = 0.005;      ///< points nearer to a bin's wall are the wall's
+  double plane_tolerance_m = 0.006;  ///< RANSAC inlier distance
+  int plane_iterations_n = 200;
+  double plane_min_share = 0.1;          ///< a smaller plane is a part's face, not the floor
+  double max_behind_plane_share = 0.02;  ///< nothing lies below a floor
+  int normal_neighbours_n = 12;
+};
+
+struct SegmentationParameters {
+  Segmentation method = Segmentation::kImprovedDbscan;
+  double eps_m = 0.004;
+  int min_points_n = 10;  ///< MinPts: neighbours of a core point, itself included
+  int octree_depth_n = 8;
+  double smoothness_rad = 0.2;  ///< θ_th of Algorithm 1
+  double curvature = 0.05;      ///< c_th of Algorithm 1
+  double euclidean_tolerance_m = 0.004;
+  int region_neighbours_n = 20;
+  double region_smoothness_rad = 0.12;
+  double region_curvature = 0.05;
+  double min_segment_share = 0.05;  ///< of the points the whole part would show
+};
+
+struct RegistrationParameters {
+  Registration method = Registration::kPcaIcp;
+  int icp_iterations_n = 50;
+  double icp_max_distance_m = 0.01;
+  double inlier_tolerance_m = 0.004;
+  double min_score = 0.4;
+  double feature_radius_m = 0.012;
+  int sac_iterations_n = 400;
+  double ndt_resolution_m = 0.02;
+};
+
+/// Weights of GRS(i) = (α·P_self + β·P_grasp)·P_system and of its terms.
+struct GrsParameters {
+  GraspOrder order = GraspOrder::kDescending;
+  PSystem p_system = PSystem::kCount;
+  double alpha = 1.0;
+  double beta = 20.0;                 ///< per m²
+  double k1 = 5.0;                    ///< per m of height
+  double k2 = 0.1;                    ///< of sin θ
+  int neighbours_n = 4;               ///< K of P_grasp
+  double isolation_distance_m = 0.3;  ///< of neighbours that do not exist
+  int overlap_threshold_n = 15;       ///< template points of P_system's count
+  double overlap_distance_m = 0.004;
+};
+
+struct GraspParameters {
+  double k3 = 1.0;   ///< of the distance to the barycentre
+  double k4 = -0.5;  ///< of the distance to the nearest other object; below 0: farther is better
+  double axis_step_m = 0.002;  ///< between the points on the principal axis that are tried
+  double max_tilt_rad = 0.6;   ///< of the approach from the vertical, where walls are near
+  double tilt_step_rad = 0.1;
+  int max_grasps_n = 32;
+};
+
+struct DisplacementParameters {
+  double threshold_m = 0.005;
+};
+
+struct Parameters {
+  PreprocessParameters preprocess;
+  SegmentationParameters segmentation;
+  RegistrationParameters registration;
+  GrsParameters grs;
+  GraspParameters grasp;
+  DisplacementParameters displacement;
+};
+
+}  // namespace graspd::perception

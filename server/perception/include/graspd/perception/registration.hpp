@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "graspd/parts/part.hpp"
+#include "graspd/perception/cloud.hpp"
+#include "graspd/perception/evidence.hpp"
+#include "graspd/perception/parameters.hpp"
+
+/// From segments to posed parts.
+namespace graspd::perception {
+
+/// Mean and principal axes of a point set (the paper, eq. 3 and 4).
+struct PrincipalFrame {
+  Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns, largest variance first
+  Eigen::Vector3d variances_m2 = Eigen::Vector3d::Zero();
+};
+/// \param points_m at least one; the axes are right-handed.
+PrincipalFrame principal_frame(std::span<const Eigen::Vector3f> points_m);
+
+/// A registration method, ready for a list of parts: T_camera_part of part `part` of that list in
+/// one segment, or nothing where the method gives none. May be called from several threads.
+using RegistrationMethod =
+    std::function<std::optional<Eigen::Isometry3d>(const Cloud& segment, std::size_t part)>;
+
+/// The paper's: PCA alignment of segment and model, then point-to-point ICP minimising Σ‖p − Tq‖²,
+/// from each of the four sign choices of the axes; the least residual wins.
+RegistrationMethod pca_icp(std::span<const parts::Part* const> parts,
+                           const RegistrationParameters& parameters);
+/// PCL's SAC-IA over FPFH features, then ICP.
+RegistrationMethod sac_ia_icp(std::span<const parts::Part* const> parts,
+                              const RegistrationParameters& parameters);
+/// PCL's NDT from the PCA alignments, then ICP.
+RegistrationMethod ndt_icp(std::span<const parts::Part* const> parts,
+                           const RegistrationParameters& parameters);
+
+/// \throws std::invalid_argument for a method that this build does not have, or kServerDefault.
+RegistrationMethod registration_method(Registration name, std::span<const parts::Part* const> parts,
+                                       const RegistrationParameters& parameters);
+
+struct RegisteredPart {
+  const parts::Part* part = nullptr;
+  Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
+  Evidence evidence;
+  Eigen::Vector3d p_camera_segment_centroid_m = Eigen::Vector3d::Zero();
+};
+
+struct RegistrationResult {
+  std::vector<RegisteredPart> parts;  ///< best score first
+  std::uint32_t hypotheses_n = 0;
+  std::uint32_t rejected_score_n = 0;
+};
+
+/// Registers every part in every segment, keeps the part that the depth image supports best, drops
+/// poses below `min_score` and poses of a place that is taken by a better one.
+/// Works on the segments in parallel, within the caller's TBB arena.
+RegistrationResult register_segments(const DepthFrame& frame, const Cloud& cloud,
+                                     std::span<const Indices> segments,
+                                     std::span<const parts::Part* const> parts,
+                                     const RegistrationParameters& parameters);
+
+}  // namespace graspd::perception

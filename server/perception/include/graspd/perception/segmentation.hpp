@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "graspd/perception/cloud.hpp"
+#include "graspd/perception/parameters.hpp"
+
+namespace graspd::perception {
+
+/// A segmentation method: a cloud with normals in, disjoint clusters of its points out, in a fixed
+/// order, whatever their size. The comparators are PCL's own classes.
+using SegmentationMethod = std::vector<Indices> (*)(const Cloud&, const SegmentationParameters&);
+
+/// The paper's Algorithm 1, on an octree.
+std::vector<Indices> improved_dbscan(const Cloud& cloud, const SegmentationParameters& parameters);
+/// Plain DBSCAN on PCL's kd-tree.
+std::vector<Indices> plain_dbscan(const Cloud& cloud, const SegmentationParameters& parameters);
+std::vector<Indices> euclidean_clusters(const Cloud& cloud,
+                                        const SegmentationParameters& parameters);
+std::vector<Indices> region_growing(const Cloud& cloud, const SegmentationParameters& parameters);
+
+/// \throws std::invalid_argument for kServerDefault, which the caller resolves.
+SegmentationMethod segmentation_method(Segmentation name);
+
+}  // namespace graspd::perception

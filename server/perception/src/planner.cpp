@@ -1,0 +1,305 @@
+#include "graspd/perception/planner.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "graspd/perception/displacement.hpp"
+#include "graspd/perception/grasp_planning.hpp"
+#include "graspd/perception/grs.hpp"
+#include "graspd/perception/outline.hpp"
+#include "graspd/perception/preprocess.hpp"
+#include "graspd/perception/registration.hpp"
+#include "graspd/perception/segmentation.hpp"
+#include "ranking.hpp"
+
+namespace graspd::perception {
+namespace {
+
+/// Times the pipeline's stages into the answer.
+class StageClock {
+ public:
+  explicit StageClock(std::vector<StageTiming>& timings) : timings_(timings) {}
+  void finished(const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    timings_.push_back({stage, std::chrono::nanoseconds(now - last_).count()});
+    last_ = now;
+  }
+
+ private:
+  std::vector<StageTiming>& timings_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// The request's own choices over the server's.
+Parameters effective(const PlanOptions& options, Parameters parameters) {
+  const auto choose = [](auto asked, auto& parameter) {
+    if (asked != decltype(asked)::kServerDefault) parameter = asked;
+  };
+  choose(options.segmentation, parameters.segmentation.method);
+  choose(options.registration, parameters.registration.method);
+  choose(options.order, parameters.grs.order);
+  choose(options.p_system, parameters.grs.p_system);
+  if (options.max_grasps_n > 0) {
+    parameters.grasp.max_grasps_n = static_cast<int>(options.max_grasps_n);
+  }
+  return parameters;
+}
+
+/// What this version does not have is refused, not silently replaced.
+Result<void> check_available(const PlanRequest& request, const Parameters& parameters) {
+  if (parameters.registration.method == Registration::kVerified) {
+    return invalid(
+        "options.registration: 'verified' is not in this version; use pca_icp, "
+        "sac_ia_icp or ndt_icp");
+  }
+  if (parameters.grs.p_system == PSystem::kSupport) {
+    return invalid("options.p_system: 'support' is not in this version; use count");
+  }
+  if (request.gripper.kind == GripperKind::kSuction) {
+    return invalid("gripper.kind: 'suction' is not in this version; use parallel_jaw");
+  }
+  return {};
+}
+
+using PartList = std::vector<const parts::Part*>;
+
+Result<PartList> find_parts(const PlanRequest& request, const parts::Catalogue& catalogue) {
+  PartList found;
+  for (const RequestedPart& requested : request.parts) {
+    const parts::Part* part = catalogue.find(requested.id);
+    if (part == nullptr) {
+      std::vector<std::string> known;
+      for (const auto& candidate : catalogue.parts()) known.push_back(candidate.id);
+      return fail(Code::kUnknownPart, "parts: no part '{}' in the catalogue; it has: {}",
+                  requested.id, fmt::join(known, ", "));
+    }
+    found.push_back(part);
+  }
+  return found;
+}
+
+double largest_diameter_m(const PartList& parts) {
+  double largest_m = 0;
+  for (const parts::Part* part : parts) largest_m = std::max(largest_m, part->diameter_m);
+  return largest_m;
+}
+
+/// How many points of the voxel grid a part shows: half of its surface at the most.
+std::size_t expected_points(const parts::Part& part, const Parameters& parameters) {
+  const double voxel_area_m2 = parameters.preprocess.voxel_m * parameters.preprocess.voxel_m;
+  return static_cast<std::size_t>(part.surface_area_m2 / 2 / voxel_area_m2);
+}
+
+std::size_t min_segment_points(const PartList& parts, const Parameters& parameters) {
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (const parts::Part* part : parts)
+    fewest = std::min(fewest, expected_points(*part, parameters));
+  return std::max<std::size_t>(3,
+                               static_cast<std::size_t>(static_cast<double>(fewest) *
+                                                        parameters.segmentation.min_segment_share));
+}
+
+std::vector<Eigen::Vector3d> centroids_in_base(const Cloud& cloud,
+                                               const std::vector<Indices>& segments,
+                                               const Eigen::Isometry3d& T_base_camera) {
+  std::vector<Eigen::Vector3d> centroids_m;
+  for (const Indices& segment : segments) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const std::uint32_t i : segment) sum += cloud.points_m[i].cast<double>();
+    centroids_m.push_back(T_base_camera * (sum / static_cast<double>(segment.size())));
+  }
+  return centroids_m;
+}
+
+std::vector<Object> objects_from(const RegistrationResult& result,
+                                 const Eigen::Isometry3d& T_base_camera) {
+  std::vector<Object> objects;
+  for (const RegisteredPart& part : result.parts) {
+    Object& object = objects.emplace_back();
+    object.id = static_cast<std::uint32_t>(objects.size());
+    object.part_id = part.part->id;
+    object.T_base_part = T_base_camera * part.T_camera_part;
+    object.score = part.evidence.score;
+    object.visible_fraction = part.evidence.visible_fraction;
+    object.inlier_fraction = part.evidence.inlier_fraction;
+    object.refuted_fraction = part.evidence.refuted_fraction;
+    object.rms_m = part.evidence.rms_m;
+    object.p_base_segment_centroid_m = T_base_camera * part.p_camera_segment_centroid_m;
+  }
+  return objects;
+}
+
+/// The last plan's objects as they stand, with today's evidence.
+std::vector<Object> objects_from(const std::vector<LastObject>& standing, const DepthFrame& frame,
+                                 const Eigen::Isometry3d& T_base_camera,
+                                 const parts::Catalogue& catalogue, double tolerance_m) {
+  std::vector<Object> objects;
+  for (const LastObject& last : standing) {
+    const Evidence evidence =
+        evaluate_pose(frame, *catalogue.find(last.part_id),
+                      T_base_camera.inverse() * last.T_base_part, tolerance_m);
+    Object& object = objects.emplace_back();
+    object.id = last.id;
+    object.part_id = last.part_id;
+    object.T_base_part = last.T_base_part;
+    object.score = evidence.score;
+    object.visible_fraction = evidence.visible_fraction;
+    object.inlier_fraction = evidence.inlier_fraction;
+    object.refuted_fraction = evidence.refuted_fraction;
+    object.rms_m = evidence.rms_m;
+    object.p_base_segment_centroid_m = last.p_base_segment_centroid_m;
+  }
+  return objects;
+}
+
+Result<void> check_last_plan(const PlanRequest& request, const parts::Catalogue& catalogue) {
+  if (!request.last_plan) return {};
+  for (const LastObject& object : request.last_plan->objects) {
+    if (catalogue.find(object.part_id) == nullptr) {
+      return fail(Code::kUnknownPart,
+                  "last_plan: object {} is of part '{}', which is not in the "
+                  "catalogue",
+                  object.id, object.part_id);
+    }
+  }
+  return {};
+}
+
+void finish(PlanAnswer& answer, Outcome outcome, std::string reason) {
+  answer.outcome = outcome;
+  answer.reason = std::move(reason);
+}
+
+/// GRS of every object, then a grasp for each, ranked.
+void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
+                 const Parameters& parameters, const Eigen::Isometry3d& T_base_floor,
+                 PlanAnswer& answer) {
+  std::vector<PlacedPart> placed;
+  for (const Object& object : answer.objects) {
+    placed.push_back({catalogue.find(object.part_id), T_base_floor.inverse() * object.T_base_part});
+  }
+  const std::vector<GrsTerms> scores = grasp_risk_scores(placed, parameters.grs);
+  const auto to_ids = [&](std::vector<std::uint32_t>& indices) {
+    for (std::uint32_t& index : indices) index = answer.objects[index].id;
+  };
+  const auto bin_size_m =
+      request.bin ? std::optional(request.bin->inner_size_m) : std::optional<Eigen::Vector3d>();
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    Object& object = answer.objects[i];
+    object.grs = scores[i];
+    to_ids(object.grs.neighbour_ids);
+    to_ids(object.grs.overlap_ids);
+
+    PlannedGrasp planned = plan_grasp(i, placed, bin_size_m, request.gripper, parameters.grasp);
+    Grasp grasp;
+    grasp.object_id = object.id;
+    grasp.pick_point = "principal_axis";
+    grasp.T_base_grasp = T_base_floor * planned.T_floor_grasp;
+    grasp.opening_width_m = planned.opening_width_m;
+    grasp.standoff_m = request.gripper.standoff_m;
+    grasp.retreat_m = request.gripper.retreat_m;
+    grasp.score = object.grs.grs;
+    grasp.checks = std::move(planned.checks);
+    for (const CheckReport& check : grasp.checks) {
+      const bool failed = check.state == CheckState::kFailed;
+      answer.funnel.rejected_by_check_n[static_cast<std::size_t>(check.check)] += failed;
+    }
+    (planned.is_free() ? answer.grasps : answer.rejected_grasps).push_back(std::move(grasp));
+  }
+  rank_grasps(request, parameters, answer.objects, answer.grasps);
+  const auto most = static_cast<std::size_t>(parameters.grasp.max_grasps_n);
+  if (answer.grasps.size() > most) answer.grasps.resize(most);
+  answer.funnel.grasps_n = static_cast<std::uint32_t>(answer.grasps.size());
+}
+
+}  // namespace
+
+Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
+                        const parts::Catalogue& catalogue, const Parameters& server_parameters) {
+  const Parameters parameters = effective(request.options, server_parameters);
+  if (auto ok = validate(frame); !ok) return tl::unexpected(ok.error());
+  if (auto ok = validate(request); !ok) return tl::unexpected(ok.error());
+  if (auto ok = check_available(request, parameters); !ok) return tl::unexpected(ok.error());
+  if (auto ok = check_last_plan(request, catalogue); !ok) return tl::unexpected(ok.error());
+  const auto parts = find_parts(request, catalogue);
+  if (!parts) return tl::unexpected(parts.error());
+
+  PlanAnswer answer;
+  StageClock clock(answer.timings);
+
+  Scene scene = preprocess(frame, request, largest_diameter_m(*parts), parameters.preprocess);
+  answer.funnel = scene.funnel;
+  answer.fill_level = scene.fill_level;
+  answer.warnings = std::move(scene.warnings);
+  clock.finished("preprocess");
+  if (scene.funnel.after_passthrough_n == 0) {
+    finish(answer, Outcome::kBinNotFound,
+           fmt::format("none of the {} readings lies where the request says the bin is; check "
+                       "T_base_camera, T_base_bin and the intrinsics",
+                       scene.funnel.readings_n));
+    return answer;
+  }
+
+  std::vector<Indices> segments =
+      segmentation_method(parameters.segmentation.method)(scene.cloud, parameters.segmentation);
+  std::erase_if(segments, [smallest = min_segment_points(*parts, parameters)](const auto& segment) {
+    return segment.size() < smallest;
+  });
+  answer.funnel.segments_n = static_cast<std::uint32_t>(segments.size());
+  clock.finished("segmentation");
+  if (segments.empty()) {
+    finish(answer, Outcome::kBinEmpty,
+           fmt::format("{} points lie above the floor, too few for a part",
+                       scene.funnel.after_plane_n));
+    return answer;
+  }
+
+  std::optional<std::vector<LastObject>> standing;
+  if (request.last_plan) {
+    const auto centroids_m = centroids_in_base(scene.cloud, segments, request.T_base_camera);
+    standing = unchanged_objects(*request.last_plan, centroids_m, parameters.displacement);
+    clock.finished("displacement");
+  }
+  if (standing) {
+    answer.objects = objects_from(*standing, frame, request.T_base_camera, catalogue,
+                                  parameters.registration.inlier_tolerance_m);
+  } else {
+    const RegistrationResult registered =
+        register_segments(frame, scene.cloud, segments, *parts, parameters.registration);
+    answer.funnel.hypotheses_n = registered.hypotheses_n;
+    answer.funnel.rejected_score_n = registered.rejected_score_n;
+    answer.objects = objects_from(registered, request.T_base_camera);
+  }
+  answer.funnel.registered_n = static_cast<std::uint32_t>(answer.objects.size());
+  clock.finished("registration");
+  if (answer.objects.empty()) {
+    finish(answer, Outcome::kNoneRegistered,
+           fmt::format("{} segments, but the frame supports none of {} hypotheses by the score {}",
+                       segments.size(), answer.funnel.hypotheses_n,
+                       parameters.registration.min_score));
+    return answer;
+  }
+
+  plan_grasps(request, catalogue, parameters, request.T_base_camera * scene.T_camera_floor, answer);
+  clock.finished("grasps");
+  if (answer.grasps.empty()) {
+    finish(answer, Outcome::kAllInCollision,
+           fmt::format("{} parts found, but every grasp fails a check; the first: {}",
+                       answer.objects.size(), first_failure(answer.rejected_grasps)));
+  } else if (standing) {
+    finish(answer, Outcome::kUnchanged,
+           fmt::format("no segment moved by more than {:.1f} mm since the last plan",
+                       parameters.displacement.threshold_m * 1e3));
+  }
+  if (!request.options.explain_rejected) answer.rejected_grasps.clear();
+  if (request.options.outlines) {
+    for (Object& object : answer.objects) {
+      object.outline_px = outline_px(frame.camera, catalogue.find(object.part_id)->mesh,
+                                     request.T_base_camera.inverse() * object.T_base_part);
+    }
+    clock.finished("outlines");
+  }
+  return answer;
+}
+
+}  // namespace graspd::perception

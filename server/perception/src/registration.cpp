@@ -1,0 +1,119 @@
+#include "graspd/perception/registration.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <stdexcept>
+
+namespace graspd::perception {
+namespace {
+
+/// Two parts can't have their barycentres nearer than this share of the smaller diameter.
+constexpr double kSamePlaceShare = 0.25;
+
+Cloud subset(const Cloud& cloud, const Indices& indices) {
+  Cloud part;
+  for (const std::uint32_t i : indices) {
+    part.points_m.push_back(cloud.points_m[i]);
+    part.normals.push_back(cloud.normals[i]);
+    part.curvatures.push_back(cloud.curvatures[i]);
+  }
+  return part;
+}
+
+struct SegmentResult {
+  std::uint32_t hypotheses_n = 0;
+  std::optional<RegisteredPart> best;  ///< by evidence, whatever its score
+};
+
+SegmentResult register_segment(const DepthFrame& frame, const Cloud& segment,
+                               std::span<const parts::Part* const> parts,
+                               const RegistrationMethod& method, double tolerance_m) {
+  SegmentResult result;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto T_camera_part = method(segment, i);
+    if (!T_camera_part) continue;
+    ++result.hypotheses_n;
+    const Evidence evidence = evaluate_pose(frame, *parts[i], *T_camera_part, tolerance_m);
+    if (result.best && result.best->evidence.score >= evidence.score) continue;
+    result.best = {parts[i], *T_camera_part, evidence,
+                   principal_frame(segment.points_m).centroid_m};
+  }
+  return result;
+}
+
+bool same_place(const RegisteredPart& a, const RegisteredPart& b) {
+  const double reach_m = kSamePlaceShare * std::min(a.part->diameter_m, b.part->diameter_m);
+  return (a.T_camera_part * a.part->barycentre_m - b.T_camera_part * b.part->barycentre_m).norm() <
+         reach_m;
+}
+
+}  // namespace
+
+PrincipalFrame principal_frame(std::span<const Eigen::Vector3f> points_m) {
+  PrincipalFrame frame;
+  const auto count = static_cast<double>(points_m.size());
+  for (const auto& p : points_m) frame.centroid_m += p.cast<double>();
+  frame.centroid_m /= count;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto& p : points_m) {
+    const Eigen::Vector3d d = p.cast<double>() - frame.centroid_m;
+    covariance += d * d.transpose();
+  }
+  covariance /= count;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);  // ascending
+  frame.axes = solver.eigenvectors().rowwise().reverse();
+  if (frame.axes.determinant() < 0) frame.axes.col(2) *= -1;
+  frame.variances_m2 = solver.eigenvalues().reverse();
+  return frame;
+}
+
+RegistrationMethod registration_method(Registration name, std::span<const parts::Part* const> parts,
+                                       const RegistrationParameters& parameters) {
+  switch (name) {
+    case Registration::kPcaIcp:
+      return pca_icp(parts, parameters);
+    case Registration::kSacIaIcp:
+      return sac_ia_icp(parts, parameters);
+    case Registration::kNdtIcp:
+      return ndt_icp(parts, parameters);
+    case Registration::kVerified:
+    case Registration::kServerDefault:
+      break;
+  }
+  throw std::invalid_argument(
+      fmt::format("registration_method: '{}' is not in this build", name_of(name)));
+}
+
+RegistrationResult register_segments(const DepthFrame& frame, const Cloud& cloud,
+                                     std::span<const Indices> segments,
+                                     std::span<const parts::Part* const> parts,
+                                     const RegistrationParameters& parameters) {
+  const RegistrationMethod method = registration_method(parameters.method, parts, parameters);
+  // Each segment has its own slot, so the threads' order does not show in the answer.
+  std::vector<SegmentResult> found(segments.size());
+  tbb::parallel_for(std::size_t{0}, segments.size(), [&](std::size_t i) {
+    found[i] = register_segment(frame, subset(cloud, segments[i]), parts, method,
+                                parameters.inlier_tolerance_m);
+  });
+
+  RegistrationResult result;
+  for (const auto& [hypotheses_n, best] : found) {
+    result.hypotheses_n += hypotheses_n;
+    if (best && best->evidence.score >= parameters.min_score) result.parts.push_back(*best);
+  }
+  std::stable_sort(result.parts.begin(), result.parts.end(), [](const auto& a, const auto& b) {
+    return a.evidence.score > b.evidence.score;
+  });
+  for (auto candidate = result.parts.begin(); candidate != result.parts.end();) {
+    const bool taken = std::any_of(result.parts.begin(), candidate, [&](const auto& better) {
+      return same_place(better, *candidate);
+    });
+    candidate = taken ? result.parts.erase(candidate) : candidate + 1;
+  }
+  result.rejected_score_n = result.hypotheses_n - static_cast<std::uint32_t>(result.parts.size());
+  return result;
+}
+
+}  // namespace graspd::perception

@@ -1,0 +1,103 @@
+#include "graspd/perception/segmentation.hpp"
+
+#include <pcl/search/kdtree.h>
+#include <pcl/segmentation/extract_clusters.h>
+#include <pcl/segmentation/region_growing.h>
+
+#include <stdexcept>
+
+#include "graspd/perception/dbscan.hpp"
+#include "pcl_cloud.hpp"
+
+namespace graspd::perception {
+namespace {
+
+std::vector<Indices> from_pcl(const std::vector<pcl::PointIndices>& clusters) {
+  std::vector<Indices> result;
+  for (const pcl::PointIndices& cluster : clusters) {
+    result.emplace_back(cluster.indices.begin(), cluster.indices.end());
+    std::sort(result.back().begin(), result.back().end());
+  }
+  // PCL sorts clusters by size, unstably.
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+Neighbourhoods kdtree_neighbourhoods(const Cloud& cloud, double radius_m) {
+  const auto points = to_pcl(cloud);
+  pcl::search::KdTree<pcl::PointXYZ> tree;
+  tree.setInputCloud(points);
+  Neighbourhoods result;
+  result.offsets.push_back(0);
+  pcl::Indices found;
+  std::vector<float> distances2;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    tree.radiusSearch(static_cast<pcl::index_t>(i), radius_m, found, distances2);
+    std::sort(found.begin(), found.end());
+    result.indices.insert(result.indices.end(), found.begin(), found.end());
+    result.offsets.push_back(static_cast<std::uint32_t>(result.indices.size()));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<Indices> improved_dbscan(const Cloud& cloud, const SegmentationParameters& parameters) {
+  const Octree octree(cloud.points_m, parameters.octree_depth_n);
+  const Neighbourhoods neighbourhoods = octree.neighbourhoods(static_cast<float>(parameters.eps_m));
+  DbscanResult result = dbscan(cloud, neighbourhoods, parameters.min_points_n);
+  merge_at_borders(cloud, neighbourhoods, parameters.smoothness_rad, parameters.curvature, result);
+  return clusters_of(result);
+}
+
+std::vector<Indices> plain_dbscan(const Cloud& cloud, const SegmentationParameters& parameters) {
+  const Neighbourhoods neighbourhoods = kdtree_neighbourhoods(cloud, parameters.eps_m);
+  return clusters_of(dbscan(cloud, neighbourhoods, parameters.min_points_n));
+}
+
+std::vector<Indices> euclidean_clusters(const Cloud& cloud,
+                                        const SegmentationParameters& parameters) {
+  const auto points = to_pcl(cloud);
+  const pcl::search::KdTree<pcl::PointXYZ>::Ptr tree(new pcl::search::KdTree<pcl::PointXYZ>);
+  tree->setInputCloud(points);
+  pcl::EuclideanClusterExtraction<pcl::PointXYZ> extraction;
+  extraction.setClusterTolerance(parameters.euclidean_tolerance_m);
+  extraction.setSearchMethod(tree);
+  extraction.setInputCloud(points);
+  std::vector<pcl::PointIndices> clusters;
+  extraction.extract(clusters);
+  return from_pcl(clusters);
+}
+
+std::vector<Indices> region_growing(const Cloud& cloud, const SegmentationParameters& parameters) {
+  const pcl::search::KdTree<pcl::PointXYZ>::Ptr tree(new pcl::search::KdTree<pcl::PointXYZ>);
+  pcl::RegionGrowing<pcl::PointXYZ, pcl::Normal> growing;
+  growing.setSearchMethod(tree);
+  growing.setNumberOfNeighbours(static_cast<unsigned>(parameters.region_neighbours_n));
+  growing.setInputCloud(to_pcl(cloud));
+  growing.setInputNormals(normals_to_pcl(cloud));
+  growing.setSmoothnessThreshold(static_cast<float>(parameters.region_smoothness_rad));
+  growing.setCurvatureThreshold(static_cast<float>(parameters.region_curvature));
+  growing.setMinClusterSize(1);
+  std::vector<pcl::PointIndices> clusters;
+  growing.extract(clusters);
+  return from_pcl(clusters);
+}
+
+SegmentationMethod segmentation_method(Segmentation name) {
+  switch (name) {
+    case Segmentation::kImprovedDbscan:
+      return improved_dbscan;
+    case Segmentation::kDbscan:
+      return plain_dbscan;
+    case Segmentation::kEuclidean:
+      return euclidean_clusters;
+    case Segmentation::kRegionGrowing:
+      return region_growing;
+    case Segmentation::kServerDefault:
+      break;
+  }
+  throw std::invalid_argument("segmentation_method: no method is named");
+}
+
+}  // namespace graspd::perception

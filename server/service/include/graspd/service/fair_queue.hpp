@@ -1,0 +1,64 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace graspd::service {
+
+using Clock = std::chrono::steady_clock;
+using TimePoint = Clock::time_point;
+using Ticket = std::uint64_t;
+
+struct Waiting {
+  Ticket ticket = 0;
+  std::string cell;
+  TimePoint deadline;
+};
+
+/// Whose turn it is. One queue for all cells lets a noisy cell push a quiet one to seconds; here
+/// each cell has a short queue of its own, and cells take turns. A pile that has been picked from
+/// makes its older frames worthless, so the latest frame of a cell wins the place of its oldest.
+///
+/// Guarantees: between two starts of a waiting cell, every other cell starts at most one request
+/// (where shares allow); no cell holds more than a quarter of the workers while a cell below its
+/// share waits; a worker is never left idle while anything waits.
+/// Not thread-safe; knows no clock.
+class FairQueue {
+ public:
+  FairQueue(std::size_t depth_per_cell, std::size_t workers_n);
+
+  /// \returns the oldest request of the same cell, where it lost its place to this one.
+  std::optional<Waiting> push(Waiting request);
+  /// Takes the next request out; its cell holds one worker more until `finish`.
+  std::optional<Waiting> start();
+  void finish(const std::string& cell);
+  /// Takes out what nobody waits for any more.
+  std::vector<Waiting> expire(TimePoint now);
+  std::vector<Waiting> clear();
+
+  std::optional<TimePoint> earliest_deadline() const;
+  std::size_t queued_n() const;
+  std::size_t running_n() const;
+  /// How many of the queued requests would start before one that this cell pushed now.
+  std::size_t ahead_of(const std::string& cell) const;
+
+ private:
+  struct Cell {
+    std::deque<Waiting> queue;
+    std::size_t running_n = 0;
+  };
+  void forget_if_idle(const std::string& cell);
+
+  std::size_t depth_per_cell_;
+  std::size_t share_n_;
+  std::map<std::string, Cell> cells_;
+  std::deque<std::string> turns_;  ///< the cells that wait, the next one first
+};
+
+}  // namespace graspd::service

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "graspd/service/config.hpp"
+#include "graspd/service/launcher.hpp"
+#include "graspd/service/log.hpp"
+#include "graspd/types/answer.hpp"
+
+/// Problem: many cells share a few workers, and no cell, client or frame may take the service away
+/// from the others.
+///
+/// Design: one thread owns every socket. It reads what has come in before it does anything else,
+/// looks at envelopes only, and never waits: not for a client, not for a worker. What it can't do
+/// now it queues for a short time or refuses with a reason. Computing happens in workers, which are
+/// other processes, so that a frame that crashes one costs one request.
+///
+///     clients ── data ROUTER ──▶ take_in ─▶ Admission ─▶ Supervisor ── workers ROUTER ──▶ workers
+///     probes ─── control ROUTER ─▶ health
+///
+/// Guarantees: every request that can be answered gets exactly one answer; health is answered
+/// within the time of one turn of the loop, whatever the load; when told to drain, everything
+/// accepted is still finished. It does not authenticate: it listens on loopback unless told
+/// `insecure`.
+namespace graspd::service {
+
+/// What the front says of the server it stands for.
+struct ServerFacts {
+  std::vector<std::string> part_ids;
+  ServerInfo server;
+};
+
+struct FrontOptions {
+  ServerConfig config;
+  ServerFacts facts;
+  std::string worker_endpoint;  ///< ipc://…, in a folder that nobody else may enter
+  /// A descriptor (signalfd, eventfd) that becomes readable when the server is to drain, and again
+  /// when it is to stop at once.
+  int stop_fd = -1;
+  Log log;
+  std::function<void()> on_ready;  ///< once, when every worker is ready
+};
+
+/// An endpoint is in use, or is not this machine's.
+class CannotListen : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class Front {
+ public:
+  /// Binds all sockets; `launcher` must outlive the front.
+  /// \throws CannotListen
+  Front(FrontOptions options, WorkerLauncher& launcher);
+  ~Front();
+  Front(const Front&) = delete;
+  Front& operator=(const Front&) = delete;
+
+  std::string data_endpoint() const;
+  std::string control_endpoint() const;
+  /// Serves until told to stop and drained.
+  /// \throws std::exception where it can't go on: workers that never get ready, no memory.
+  void run();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace graspd::service

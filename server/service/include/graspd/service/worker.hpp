@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "graspd/types/answer.hpp"
+#include "graspd/types/frame.hpp"
+#include "graspd/types/request.hpp"
+
+namespace graspd::service {
+
+/// What a worker does with a request: perception's `plan` with its catalogue and parameters bound,
+/// or a test's script.
+using PlanHandler = std::function<Result<PlanAnswer>(const DepthFrame&, const PlanRequest&)>;
+
+struct WorkerOptions {
+  std::string endpoint;  ///< the front's
+  std::string identity;  ///< the name that the front gave this worker
+  ServerInfo server;     ///< goes into every answer
+};
+
+/// Says READY, works off what the front sends, one request at a time, and says BEAT while there is
+/// nothing to do. Heartbeats come from the thread that works, so that they vouch for it.
+/// Returns when the front says STOP. A handler's exception becomes an INTERNAL answer.
+void run_worker(const WorkerOptions& options, const PlanHandler& handler);
+
+/// For a process that is a worker and nothing else: limits its memory (0: no limit), and leaves the
+/// signals that end a server to the front, which drains first. Call before any other thread starts.
+void prepare_worker_process(std::uint32_t memory_limit_mib);
+
+}  // namespace graspd::service

@@ -1,0 +1,94 @@
+#include "graspd/service/config.hpp"
+
+#include <xxhash.h>
+
+#include "graspd/formats/yaml.hpp"
+#include "graspd/service/endpoint.hpp"
+#include "graspd/service/parameters_yaml.hpp"
+
+namespace graspd::service {
+namespace {
+
+Result<void> validate_endpoint(std::string_view key, const std::string& text, bool insecure) {
+  const Result<TcpEndpoint> endpoint = parse_endpoint(text);
+  if (!endpoint) return invalid("{}: {}", key, endpoint.error().message);
+  if (!endpoint->is_loopback() && !insecure) {
+    return invalid(
+        "{}: {} can be reached from other machines, and this server does not authenticate its "
+        "clients; listen on 127.0.0.1, or say 'insecure: true' where the network is trusted",
+        key, text);
+  }
+  return {};
+}
+
+Result<void> validate_range(std::string_view key, std::uint32_t value, std::uint32_t low,
+                            std::uint32_t high) {
+  if (value < low || value > high)
+    return invalid("{}: {} is outside {} … {}", key, value, low, high);
+  return {};
+}
+
+std::string quoted(const std::string& text) {
+  YAML::Emitter emitter;
+  emitter << YAML::DoubleQuoted << text;
+  return emitter.c_str();
+}
+
+}  // namespace
+
+Result<ServerConfig> read_config(const std::filesystem::path& path) {
+  ServerConfig config;
+  YamlDocument document(path);
+  YamlMap root = document.root();
+  root.optional("data_endpoint", config.data_endpoint);
+  root.optional("control_endpoint", config.control_endpoint);
+  root.optional("insecure", config.insecure);
+  std::string parts = config.parts;
+  root.optional("parts", parts);
+  config.parts = std::filesystem::absolute(path).parent_path() / parts;
+  root.optional("workers_n", config.workers_n);
+  root.optional("worker_threads_n", config.worker_threads_n);
+  root.optional("worker_memory_limit_mib", config.worker_memory_limit_mib);
+  root.optional("worker_time_limit_ms", config.worker_time_limit_ms);
+  root.optional("drain_limit_ms", config.drain_limit_ms);
+  root.optional_enum("log_level", config.log_level);
+  read_parameters(root.map("perception"), config.perception);
+  if (auto ok = document.finish(); !ok) return tl::unexpected(ok.error());
+  return config;
+}
+
+Result<void> validate(const ServerConfig& config) {
+  const std::pair<std::string_view, const std::string*> endpoints[] = {
+      {"data_endpoint", &config.data_endpoint}, {"control_endpoint", &config.control_endpoint}};
+  for (const auto& [key, endpoint] : endpoints) {
+    if (auto ok = validate_endpoint(key, *endpoint, config.insecure); !ok) return ok;
+  }
+  if (auto ok = validate_range("workers_n", config.workers_n, 0, 256); !ok) return ok;
+  if (auto ok = validate_range("worker_threads_n", config.worker_threads_n, 0, 256); !ok) return ok;
+  const std::uint32_t limit_mib = config.worker_memory_limit_mib;
+  if (limit_mib != 0 && limit_mib < 128) {
+    return invalid(
+        "worker_memory_limit_mib: {} is too little to plan in; 0 means no limit, else "
+        "at least 128",
+        limit_mib);
+  }
+  return validate_range("worker_time_limit_ms", config.worker_time_limit_ms, 100, 3'600'000);
+}
+
+std::string to_yaml(const ServerConfig& config) {
+  return fmt::format(
+      "data_endpoint: {}\ncontrol_endpoint: {}\ninsecure: {}\nparts: {}\nworkers_n: {}\n"
+      "worker_threads_n: {}\nworker_memory_limit_mib: {}\nworker_time_limit_ms: {}\n"
+      "drain_limit_ms: {}\nlog_level: {}\nperception:\n{}",
+      quoted(config.data_endpoint), quoted(config.control_endpoint), config.insecure,
+      quoted(config.parts), config.workers_n, config.worker_threads_n,
+      config.worker_memory_limit_mib, config.worker_time_limit_ms, config.drain_limit_ms,
+      name_of(config.log_level), parameters_to_yaml(config.perception, 2));
+}
+
+std::string config_hash(const perception::Parameters& parameters) {
+  const std::string text = parameters_to_yaml(parameters, 0);
+  return fmt::format("{:016x}", XXH3_64bits(text.data(), text.size()));
+}
+
+}  // namespace graspd::service

@@ -1,0 +1,160 @@
+#include "graspd/service/front.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+
+#include "front_impl.hpp"
+#include "sockets.hpp"
+
+namespace graspd::service {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Between looks at the stop descriptor and the workers, at most this many messages of one kind.
+constexpr int kMessagesPerTurn = 64;
+constexpr milliseconds kLongestSleep{1000};
+constexpr milliseconds kWorkersGoodbye{2000};
+
+std::size_t pool_size(const ServerConfig& config) {
+  return std::max<std::size_t>(1, config.workers_n);  // 0: one thread of this process
+}
+
+SupervisorLimits limits_of(const ServerConfig& config) {
+  SupervisorLimits limits;
+  limits.job = milliseconds(config.worker_time_limit_ms);
+  return limits;
+}
+
+}  // namespace
+
+Front::Impl::Impl(FrontOptions options, WorkerLauncher& launcher)
+    : options_(std::move(options)),
+      part_ids_(options_.facts.part_ids.begin(), options_.facts.part_ids.end()),
+      data_(bind_data(context_, options_.config.data_endpoint)),
+      control_(bind_control(context_, options_.config.control_endpoint)),
+      workers_(bind_workers(context_, options_.worker_endpoint)),
+      admission_(pool_size(options_.config), std::random_device{}()),
+      supervisor_(pool_size(options_.config), options_.worker_endpoint, launcher,
+                  limits_of(options_.config)),
+      started_(Clock::now()) {}
+
+void Front::Impl::run() {
+  while (!finished()) {
+    wait();
+    read_stop();
+    read_control();
+    read_workers();
+    read_data();
+    tend_workers();
+    expire();
+    dispatch();
+  }
+  say_goodbye();
+}
+
+bool Front::Impl::finished() {
+  if (!drain_until_) return false;
+  if (Clock::now() >= *drain_until_) {
+    std::vector<Ticket> left;
+    for (const auto& [ticket, job] : jobs_) left.push_back(ticket);
+    for (const Ticket ticket : left) {
+      refuse(ticket, {Code::kDraining,
+                      "the server had to stop before this request was computed; "
+                      "use another server"});
+    }
+    return true;
+  }
+  return std::all_of(jobs_.begin(), jobs_.end(),
+                     [](const auto& job) { return job.second.answered; });
+}
+
+void Front::Impl::wait() {
+  std::vector<zmq::pollitem_t> items{{data_.handle(), 0, ZMQ_POLLIN, 0},
+                                     {control_.handle(), 0, ZMQ_POLLIN, 0},
+                                     {workers_.handle(), 0, ZMQ_POLLIN, 0}};
+  if (options_.stop_fd >= 0) items.push_back({nullptr, options_.stop_fd, ZMQ_POLLIN, 0});
+  for (const int fd : supervisor_.exit_fds()) items.push_back({nullptr, fd, ZMQ_POLLIN, 0});
+
+  const TimePoint now = Clock::now();
+  TimePoint wake = std::min(now + kLongestSleep, supervisor_.next_tend());
+  if (const auto deadline = admission_.earliest_deadline()) wake = std::min(wake, *deadline);
+  if (drain_until_) wake = std::min(wake, *drain_until_);
+  for (const auto& [ticket, job] : jobs_) {
+    if (!job.answered) wake = std::min(wake, job.deadline);
+  }
+  // A millisecond later rather than a busy turn before.
+  poll(items, std::max(milliseconds(0), std::chrono::ceil<milliseconds>(wake - now)));
+}
+
+void Front::Impl::read_stop() {
+  if (options_.stop_fd < 0) return;
+  std::vector<zmq::pollitem_t> items{{nullptr, options_.stop_fd, ZMQ_POLLIN, 0}};
+  poll(items, milliseconds(0));
+  if ((items[0].revents & ZMQ_POLLIN) == 0) return;
+  char event[128];  // a signalfd_siginfo, or an eventfd's counter
+  if (read(options_.stop_fd, event, sizeof event) <= 0) return;
+  const bool again = drain_until_.has_value();
+  const milliseconds limit(again ? 0 : options_.config.drain_limit_ms);
+  drain_until_ = Clock::now() + limit;
+  log(LogLevel::kInfo, "{}: {} requests queued, {} running",
+      again ? "stopping at once" : "draining", admission_.queued_n(), admission_.running_n());
+}
+
+void Front::Impl::read_control() {
+  Message message;
+  for (int i = 0; i < kMessagesPerTurn && receive(control_, kMostFrames, message); ++i) {
+    take(std::move(message), Door::kControl);
+  }
+}
+
+void Front::Impl::read_data() {
+  Message message;
+  for (int i = 0; i < kMessagesPerTurn && receive(data_, kMostFrames, message); ++i) {
+    take(std::move(message), Door::kData);
+  }
+}
+
+void Front::Impl::tend_workers() {
+  const Supervisor::Report report = supervisor_.tend(Clock::now());
+  for (const std::string& notice : report.notices) log(LogLevel::kWarning, "{}", notice);
+  for (const Supervisor::Lost& lost : report.lost) {
+    finish(lost.ticket, false);
+    refuse(lost.ticket, {Code::kInternal,
+                         fmt::format("the worker that computed this request was lost ({}); other "
+                                     "requests are not affected",
+                                     lost.reason)});
+    jobs_.erase(lost.ticket);
+  }
+}
+
+void Front::Impl::say_goodbye() {
+  for (const std::string& identity : supervisor_.identities()) {
+    std::vector<zmq::message_t> frames;
+    frames.push_back(frame_of(identity));
+    frames.push_back(frame_of(verb::kStop));
+    (void)send(workers_, std::move(frames));
+  }
+  const TimePoint until = Clock::now() + kWorkersGoodbye;
+  for (const int fd : supervisor_.exit_fds()) {
+    std::vector<zmq::pollitem_t> items{{nullptr, fd, ZMQ_POLLIN, 0}};
+    poll(items,
+         std::max(milliseconds(0), std::chrono::duration_cast<milliseconds>(until - Clock::now())));
+  }
+  // Answers that are still in the sockets get a second to leave.
+  data_.set(zmq::sockopt::linger, 1000);
+  control_.set(zmq::sockopt::linger, 1000);
+  log(LogLevel::kInfo, "stopped after {} answers", answered_n_);
+}
+
+Front::Front(FrontOptions options, WorkerLauncher& launcher)
+    : impl_(std::make_unique<Impl>(std::move(options), launcher)) {}
+Front::~Front() = default;
+std::string Front::data_endpoint() const { return impl_->data_endpoint(); }
+std::string Front::control_endpoint() const { return impl_->control_endpoint(); }
+void Front::run() { impl_->run(); }
+
+}  // namespace graspd::service

@@ -1,0 +1,88 @@
+#include "intake.hpp"
+
+#include "graspd/codec/codec.hpp"
+
+namespace graspd::service {
+namespace {
+
+Result<void> check_frames(const Message& message) {
+  if (message.arrived_n < 2) return invalid("the message has no envelope");
+  const zmq::message_t& envelope = message.frames[1];
+  if (envelope.size() == 0) {
+    return invalid("the envelope is empty; REQ sockets put an empty frame there: use a DEALER");
+  }
+  if (envelope.size() > kMaxRequestEnvelope_bytes) {
+    return invalid("the envelope has {} bytes; at most {} are read", envelope.size(),
+                   kMaxRequestEnvelope_bytes);
+  }
+  if (message.arrived_n > kMostFrames) {
+    return invalid("the message has {} frames; a plan request has 2 (envelope, depth image)",
+                   message.arrived_n - 1);
+  }
+  if (message.arrived_n == kMostFrames && message.frames[2].size() > kMaxPayload_bytes) {
+    return invalid("the depth image has {} bytes; at most {} are read", message.frames[2].size(),
+                   kMaxPayload_bytes);
+  }
+  return {};
+}
+
+Result<void> check_plan(const PlanCall& call, const Message& message,
+                        const std::set<std::string>& part_ids, Door door) {
+  if (door == Door::kControl) {
+    return invalid("the control endpoint answers health only; send plans to the data endpoint");
+  }
+  if (message.arrived_n != kMostFrames) {
+    return invalid(
+        "the depth image is missing; a plan request has 2 frames (envelope, depth image)");
+  }
+  const std::size_t payload_bytes = message.frames[2].size();
+  if (payload_bytes != call.frame.payload_bytes) {
+    return invalid("frame.payload_bytes: the envelope says {}, the depth image has {}",
+                   call.frame.payload_bytes, payload_bytes);
+  }
+  for (const RequestedPart& part : call.plan.parts) {
+    if (part_ids.contains(part.id)) continue;
+    return fail(Code::kUnknownPart, "part '{}' is not in this server's catalogue; it has: {}",
+                part.id, fmt::join(part_ids, ", "));
+  }
+  return {};
+}
+
+std::string names_of_parts(const PlanRequest& plan) {
+  std::string names;
+  for (const RequestedPart& part : plan.parts) {
+    if (!names.empty()) names += ',';
+    names += part.id;
+  }
+  return names;
+}
+
+}  // namespace
+
+Incoming take_in(Message message, const std::set<std::string>& part_ids, Door door) {
+  const auto id = [&] {
+    const bool readable =
+        message.arrived_n >= 2 && message.frames[1].size() <= kMaxRequestEnvelope_bytes;
+    return readable ? codec::salvage_request_id(bytes_of(message.frames[1])) : RequestId{};
+  };
+  if (auto ok = check_frames(message); !ok) return Refused{id(), ok.error()};
+  Result<Request> request = codec::decode_request(bytes_of(message.frames[1]));
+  if (!request) return Refused{id(), request.error()};
+  if (std::holds_alternative<HealthCall>(request->call)) return HealthQuestion{request->id};
+
+  const auto& call = std::get<PlanCall>(request->call);
+  if (auto ok = check_plan(call, message, part_ids, door); !ok) {
+    return Refused{request->id, ok.error()};
+  }
+  PlanJob job;
+  job.id = request->id;
+  job.attempt = request->attempt;
+  job.cell = std::move(request->cell);
+  job.parts = names_of_parts(call.plan);
+  job.budget = std::chrono::milliseconds(request->budget_ms);
+  job.envelope = std::move(message.frames[1]);
+  job.payload = std::move(message.frames[2]);
+  return job;
+}
+
+}  // namespace graspd::service

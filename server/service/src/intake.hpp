@@ -1,0 +1,44 @@
+#pragma once
+
+#include <chrono>
+#include <set>
+#include <string>
+#include <variant>
+
+#include "graspd/types/envelope.hpp"
+#include "messages.hpp"
+
+namespace graspd::service {
+
+/// A well-formed plan request. Its envelope has been read; its depth image has not been touched.
+struct PlanJob {
+  RequestId id{};
+  std::uint32_t attempt = 1;
+  std::string cell;
+  std::string parts;  ///< "tee,elbow", for the log
+  std::chrono::milliseconds budget{0};
+  zmq::message_t envelope;
+  zmq::message_t payload;
+};
+
+struct HealthQuestion {
+  RequestId id{};
+};
+
+struct Refused {
+  RequestId id{};
+  Error error;
+};
+
+using Incoming = std::variant<PlanJob, HealthQuestion, Refused>;
+
+enum class Door { kData, kControl };
+
+/// How many frames of a message are looked at; any more make it wrong.
+inline constexpr std::size_t kMostFrames = 3;
+
+/// The checks of the admission order that need nothing but the message: number and sizes of its
+/// frames, then the envelope, then the parts. \param message [routing id][envelope][payload]
+Incoming take_in(Message message, const std::set<std::string>& part_ids, Door door);
+
+}  // namespace graspd::service

@@ -1,0 +1,43 @@
+#include "messages.hpp"
+
+namespace graspd::service {
+
+bool receive(zmq::socket_t& socket, std::size_t kept, Message& message) {
+  message = {};
+  zmq::message_t frame;
+  if (!socket.recv(frame, zmq::recv_flags::dontwait)) return false;
+  while (true) {
+    const bool more = frame.more();
+    ++message.arrived_n;
+    if (message.frames.size() < kept) message.frames.push_back(std::move(frame));
+    if (!more) return true;
+    frame.rebuild();
+    (void)socket.recv(frame, zmq::recv_flags::none);  // the rest of a message is always there
+  }
+}
+
+Sent send(zmq::socket_t& socket, std::vector<zmq::message_t> frames) {
+  try {
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const bool last = i + 1 == frames.size();
+      const auto flags =
+          zmq::send_flags::dontwait | (last ? zmq::send_flags::none : zmq::send_flags::sndmore);
+      if (!socket.send(std::move(frames[i]), flags)) return Sent::kWouldBlock;
+    }
+  } catch (const zmq::error_t& error) {
+    if (error.num() == EHOSTUNREACH) return Sent::kUnreachable;
+    throw;
+  }
+  return Sent::kYes;
+}
+
+void poll(std::vector<zmq::pollitem_t>& items, std::chrono::milliseconds timeout) {
+  try {
+    zmq::poll(items, timeout);
+  } catch (const zmq::error_t& error) {
+    if (error.num() != EINTR) throw;
+    for (auto& item : items) item.revents = 0;
+  }
+}
+
+}  // namespace graspd::service
