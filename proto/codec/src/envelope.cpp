@@ -26,14 +26,17 @@ bool parse(Bytes envelope, pb::Message& message) {
   return message.ParseFromCodedStream(&input) && input.ConsumedEntireMessage();
 }
 
-Result<void> parse_envelope(Bytes envelope, std::size_t max_bytes, pb::Message& message) {
+Result<void> parse_envelope(Bytes envelope, std::size_t max_bytes, std::string_view if_too_large,
+                            pb::Message& message) {
   const std::string_view type = message.GetDescriptor()->full_name();
   if (envelope.size() > max_bytes) {
-    return invalid("the {} has {} bytes; at most {} are taken", type, envelope.size(), max_bytes);
+    return invalid("the {} has {} bytes; at most {} are taken: {}", type, envelope.size(),
+                   max_bytes, if_too_large);
   }
   if (!parse(envelope, message)) {
-    return invalid("these {} bytes are no {}; is it the first of the two ZeroMQ frames?",
-                   envelope.size(), type);
+    return invalid(
+        "these {} bytes are no {}; the depth image is a ZeroMQ frame of its own, after it",
+        envelope.size(), type);
   }
   return {};
 }
@@ -122,7 +125,9 @@ std::string encode_request(const Request& request) {
 
 Result<Request> decode_request(Bytes envelope) {
   v1::Request message;
-  if (auto ok = parse_envelope(envelope, kMaxRequestEnvelope_bytes, message); !ok) {
+  if (auto ok = parse_envelope(envelope, kMaxRequestEnvelope_bytes,
+                               "send fewer last_plan.objects and failed_spots", message);
+      !ok) {
     return tl::unexpected(ok.error());
   }
   if (message.protocol_version() != kProtocolVersion) {
@@ -155,7 +160,11 @@ Result<Answer> decode_answer(Bytes envelope) {
     return fail(Code::kInternal, "broken answer: {}", error.message);
   };
   v1::Answer message;
-  if (auto ok = parse_envelope(envelope, kMaxAnswer_bytes, message); !ok) return broken(ok.error());
+  if (auto ok = parse_envelope(envelope, kMaxAnswer_bytes,
+                               "ask without outlines and explain_rejected", message);
+      !ok) {
+    return broken(ok.error());
+  }
   // A server of another version says so in the header, which all versions share.
   if (message.protocol_version() != kProtocolVersion &&
       message.code() != v1::Answer::UNSUPPORTED_VERSION) {

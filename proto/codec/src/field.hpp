@@ -26,9 +26,9 @@ class Field {
 
   template <class... Args>
   void refuse(fmt::format_string<Args...> format, Args&&... args) const {
-    if (ok())
-      refusal_ =
-          invalid("{}: {}", path(), fmt::format(format, std::forward<Args>(args)...)).value();
+    if (!ok()) return;
+    const std::string sentence = fmt::format(format, std::forward<Args>(args)...);
+    refusal_ = Error{Code::kInvalidArgument, fmt::format("{}: {}", path(), sentence)};
   }
   /// What `validate` says of the struct that was read from here; it names fields relative to it.
   void accept(const Result<void>& valid) const {

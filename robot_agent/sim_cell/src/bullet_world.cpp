@@ -29,6 +29,7 @@ std::unique_ptr<btConvexHullShape> make_hull(const ConvexPiece& piece,
   for (int i = 0; i < hull.vertices.size(); ++i) shape->addPoint(hull.vertices[i], false);
   shape->recalcLocalAabb();
   shape->setMargin(margin);
+  if(getenv("POLY"))shape->initializePolyhedralFeatures();
   return shape;
 }
 
@@ -48,6 +49,7 @@ PartShape make_part_shape(const parts::Mesh& mesh, const ConvexPiecesOptions& op
     shape.pieces.push_back(make_hull(piece, shape.centre_of_mass_m));
     shape.compound->addChildShape(btTransform::getIdentity(), shape.pieces.back().get());
   }
+  if(getenv("OPT")) shape.compound->getDynamicAabbTree()->optimizeTopDown();
   return shape;
 }
 
@@ -56,6 +58,8 @@ BulletWorld::BulletWorld(const Eigen::Vector3d& bin_inner_size_m, double frictio
     : friction_(friction), restitution_(restitution) {
   world_.setGravity(to_bullet({0, 0, -kGravity_m_s2}));
   world_.getSolverInfo().m_numIterations = kSolverIterations;
+  if(getenv("IT"))world_.getSolverInfo().m_numIterations=atoi(getenv("IT"));
+  if(getenv("F2"))world_.getSolverInfo().m_solverMode|=SOLVER_USE_2_FRICTION_DIRECTIONS;
   const Eigen::Vector3d& size = bin_inner_size_m;
   add_wall({0, 0, -kWall_m / 2}, {kTable_m, kTable_m, kWall_m});
   for (const double side : {-1.0, 1.0}) {
@@ -86,11 +90,13 @@ btRigidBody* BulletWorld::add_body(btCollisionShape* shape, double mass_kg) {
   btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass_kg), nullptr, shape, inertia);
   info.m_friction = btScalar(friction_);
   info.m_restitution = btScalar(restitution_);
+  if(getenv("RF")){info.m_rollingFriction=btScalar(atof(getenv("RF")));info.m_spinningFriction=info.m_rollingFriction;}
   bodies_.push_back(std::make_unique<btRigidBody>(info));
   btRigidBody* body = bodies_.back().get();
   // Sleeping bodies would be "still" without being at rest.
   body->setActivationState(DISABLE_DEACTIVATION);
   world_.addRigidBody(body);
+  if(getenv("ANCH"))body->setCollisionFlags(body->getCollisionFlags()|btCollisionObject::CF_HAS_FRICTION_ANCHOR);
   return body;
 }
 

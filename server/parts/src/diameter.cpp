@@ -1,5 +1,6 @@
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "graspd/parts/mesh.hpp"
@@ -13,11 +14,8 @@ namespace {
 
 class FarthestPair {
  public:
-  explicit FarthestPair(const std::vector<Eigen::Vector3f>& points) : points_(points) {
-    order_.resize(points.size());
-    std::iota(order_.begin(), order_.end(), std::size_t{0});
-    nodes_.reserve(2 * points.size() / kLeafPoints + 2);
-    if (!points.empty()) build(0, points.size());
+  explicit FarthestPair(std::vector<Eigen::Vector3f> points) : points_(std::move(points)) {
+    if (!points_.empty()) build(0, points_.size());
   }
 
   double distance() {
@@ -28,15 +26,15 @@ class FarthestPair {
   }
 
  private:
-  static constexpr std::size_t kLeafPoints = 6;
+  static constexpr std::size_t kLeafPoints = 16;
 
   struct Node {
     Eigen::Array3d min, max;
-    std::size_t begin = 0, end = 0;   ///< in order_
+    std::size_t begin = 0, end = 0;   ///< in points_
     std::size_t left = 0, right = 0;  ///< 0 for a leaf: the root is nobody's child
   };
 
-  Eigen::Vector3d point(std::size_t k) const { return points_[order_[k]].cast<double>(); }
+  Eigen::Vector3d point(std::size_t k) const { return points_[k].cast<double>(); }
 
   std::size_t build(std::size_t begin, std::size_t end) {
     const std::size_t index = nodes_.size();
@@ -54,11 +52,10 @@ class FarthestPair {
     (node.max - node.min).maxCoeff(&axis);
     const std::size_t middle = begin + (end - begin) / 2;
     const auto at = [this](std::size_t k) {
-      return order_.begin() + static_cast<std::ptrdiff_t>(k);
+      return points_.begin() + static_cast<std::ptrdiff_t>(k);
     };
-    std::nth_element(at(begin), at(middle), at(end), [&](std::size_t a, std::size_t b) {
-      return points_[a][axis] < points_[b][axis];
-    });
+    std::nth_element(at(begin), at(middle), at(end),
+                     [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; });
     const std::size_t left = build(begin, middle);
     const std::size_t right = build(middle, end);
     nodes_[index].left = left;
@@ -71,7 +68,7 @@ class FarthestPair {
     Eigen::Vector3d from = point(0);
     for (int i = 0; i < 3; ++i) {
       Eigen::Vector3d farthest = from;
-      for (std::size_t k = 0; k < order_.size(); ++k) {
+      for (std::size_t k = 0; k < points_.size(); ++k) {
         if ((point(k) - from).squaredNorm() > (farthest - from).squaredNorm()) farthest = point(k);
       }
       best_squared_ = std::max(best_squared_, (farthest - from).squaredNorm());
@@ -114,8 +111,7 @@ class FarthestPair {
     }
   }
 
-  const std::vector<Eigen::Vector3f>& points_;
-  std::vector<std::size_t> order_;
+  std::vector<Eigen::Vector3f> points_;  ///< each node's side by side
   std::vector<Node> nodes_;
   double best_squared_ = 0;
 };

@@ -58,12 +58,18 @@ Eigen::Vector3d centroid_m(const Mesh& mesh, std::size_t triangle) {
   return triangle_of(mesh, mesh.triangles[triangle]).centroid_m();
 }
 
-/// Lengths along the principal axes, longest first.
-Eigen::Vector3d extents_m(const Mesh& mesh) {
-  const Eigen::Matrix3d to_axes = principal_axes(mesh).transpose();
+Eigen::Vector3d extents_m(const Mesh& mesh, const Eigen::Matrix3d& axes) {
   Eigen::AlignedBox3d box;
-  for (const auto& vertex : mesh.vertices_m) box.extend(to_axes * vertex.cast<double>());
-  Eigen::Vector3d extents = box.sizes();
+  for (const auto& vertex : mesh.vertices_m) box.extend(axes.transpose() * vertex.cast<double>());
+  return box.sizes();
+}
+
+/// Length, width and thickness. Where the part is as long as wide its principal axes may be turned
+/// by any angle, so the CAD file's own axes are tried as well: the tighter box counts.
+Eigen::Vector3d sorted_extents_m(const Mesh& mesh) {
+  const Eigen::Vector3d cad = extents_m(mesh, Eigen::Matrix3d::Identity());
+  const Eigen::Vector3d principal = extents_m(mesh, principal_axes(mesh));
+  Eigen::Vector3d extents = cad.prod() <= principal.prod() ? cad : principal;
   std::sort(extents.begin(), extents.end(), std::greater<>());
   return extents;
 }
@@ -116,6 +122,7 @@ std::vector<Eigen::AlignedBox3d> hole_boxes_m(const Mesh& mesh, const MeshTopolo
     box.extend(vertex_m(mesh, b));
   }
   std::vector<Eigen::AlignedBox3d> boxes;
+  boxes.reserve(box_of.size());
   for (const auto& [root, box] : box_of) boxes.push_back(box);
   std::stable_sort(boxes.begin(), boxes.end(), [](const auto& a, const auto& b) {
     return a.diagonal().norm() > b.diagonal().norm();
@@ -149,16 +156,18 @@ void check_triangles(const Mesh& mesh, const MeshTopology& topology, Findings& f
   const std::size_t n = mesh.triangles.size();
   if (!topology.degenerate_triangles.empty()) {
     findings.add(Severity::kWarning, "triangles",
-                 "{} of {} triangles without area, the first at {}: remove degenerate faces in "
+                 "{} of {} triangles {} no area, the first at {}: remove degenerate faces in "
                  "your mesh program.",
                  topology.degenerate_triangles.size(), n,
+                 topology.degenerate_triangles.size() == 1 ? "has" : "have",
                  in_mm(centroid_m(mesh, topology.degenerate_triangles.front())));
   }
   if (!topology.duplicate_triangles.empty()) {
     findings.add(Severity::kWarning, "triangles",
-                 "{} of {} triangles are there twice, the first at {}: remove duplicate faces in "
+                 "{} of {} triangles {} there twice, the first at {}: remove duplicate faces in "
                  "your mesh program.",
                  topology.duplicate_triangles.size(), n,
+                 topology.duplicate_triangles.size() == 1 ? "is" : "are",
                  in_mm(centroid_m(mesh, topology.duplicate_triangles.front())));
   }
   if (n > kManyTriangles) {
@@ -218,7 +227,7 @@ std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& se
     return findings.take();
   }
   const MeshTopology topology = analyse_topology(mesh);
-  const Eigen::Vector3d extents = extents_m(mesh);
+  const Eigen::Vector3d extents = sorted_extents_m(mesh);
   const double diameter = diameter_m(mesh);
   check_units(diameter, extents, findings);
   check_normals(mesh, topology, findings);

@@ -50,7 +50,7 @@ double signed_volume_m3(const Mesh& mesh) {
 }
 
 Eigen::Vector3d barycentre_m(const Mesh& mesh) {
-  const Eigen::Vector3d surface_m = surface_centroid_m(mesh);
+  Eigen::Vector3d surface_m = surface_centroid_m(mesh);
   if (!analyse_topology(mesh).is_closed()) return surface_m;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   double volume_m3 = 0;

@@ -29,6 +29,5 @@ inline Triangle triangle_of(const Mesh& mesh, const std::array<int, 3>& indices)
 
 /// Eigenvectors of the surface's covariance as columns, largest variance first, right-handed.
 Eigen::Matrix3d principal_axes(const Mesh& mesh);
-double surface_area_m2(const Mesh& mesh);
 
 }  // namespace graspd::parts

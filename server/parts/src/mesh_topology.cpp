@@ -117,6 +117,7 @@ std::vector<std::size_t> count_pieces(const Mesh& mesh, const std::vector<std::s
     ++triangles_n[vertices.find(static_cast<std::size_t>(mesh.triangles[i][0]))];
   }
   std::vector<std::size_t> pieces;
+  pieces.reserve(triangles_n.size());
   for (const auto& [root, n] : triangles_n) pieces.push_back(n);
   std::sort(pieces.rbegin(), pieces.rend());
   return pieces;

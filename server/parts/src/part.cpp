@@ -43,6 +43,7 @@ Result<Part> make_part(const PartDescription& description) {
   part.id = description.id;
   part.name = description.name;
   part.bop_obj_id = description.bop_obj_id;
+  part.surface_area_m2 = surface_area_m2(*mesh);
   part.barycentre_m = barycentre_m(*mesh);
   part.principal_axes = principal_axes(*mesh);
   part.surface = sample_surface(*mesh, kTemplateSpacing_m);

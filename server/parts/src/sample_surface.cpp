@@ -8,9 +8,9 @@
 
 #include "mesh_geometry.hpp"
 
-// Poisson-disk sampling by dart throwing. Candidates follow a low-discrepancy sequence over the
-// area, many more than are wanted; each is kept unless a kept one is too near. Nothing is random,
-// so one mesh has one sample on every machine.
+// Poisson-disk sampling by dart throwing. Candidates follow a low-discrepancy sequence in each
+// triangle, many more than are wanted; each is kept unless a kept one is too near. Nothing is
+// random, so one mesh has one sample on every machine.
 
 namespace graspd::parts {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 // Kept points lie 0.8 spacings apart or more; thrown to exhaustion, that makes about one point per
 // spacing², and no spot of the surface is farther than a spacing from a point.
 constexpr double kMinDistanceShare = 0.8;
-constexpr double kCandidatesPerPoint = 24;
+constexpr double kCandidatesPerPoint = 32;
 // The two sides of a thin sheet face apart: they are sampled each for itself.
 constexpr float kSameSideCosine = -0.5F;
 
@@ -70,46 +70,41 @@ class KeptPoints {
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
 };
 
-/// The i-th point of Roberts' R3 sequence: powers of 1/g, g the real root of x⁴ = x + 1.
-std::array<double, 3> r3_sequence(std::uint64_t i) {
-  constexpr double kG = 1.22074408460575947536;
-  std::array<double, 3> value{};
-  double step = 1;
-  for (double& v : value) {
-    step /= kG;
-    const double x = 0.5 + step * static_cast<double>(i);
-    v = x - std::floor(x);
-  }
-  return value;
+/// The i-th point of Roberts' R2 sequence: powers of 1/g, g the real root of x³ = x + 1.
+std::array<double, 2> r2_sequence(std::uint64_t i) {
+  constexpr double kG = 1.32471795724474602596;
+  const auto fraction = [](double x) { return x - std::floor(x); };
+  const auto n = static_cast<double>(i);
+  return {fraction(0.5 + n / kG), fraction(0.5 + n / (kG * kG))};
 }
 
-Eigen::Vector3d point_in(const Triangle& triangle, double r1, double r2) {
-  const double s = std::sqrt(r1);
-  return (1 - s) * triangle.corners_m[0] + s * (1 - r2) * triangle.corners_m[1] +
-         s * r2 * triangle.corners_m[2];
+/// Unit square to triangle, evenly: what lies beyond the diagonal is folded back.
+Eigen::Vector3d point_in(const Triangle& triangle, double u, double v) {
+  if (u + v > 1) {
+    u = 1 - u;
+    v = 1 - v;
+  }
+  return triangle.corners_m[0] + u * (triangle.corners_m[1] - triangle.corners_m[0]) +
+         v * (triangle.corners_m[2] - triangle.corners_m[0]);
 }
 
 }  // namespace
 
 std::vector<SurfacePoint> sample_surface(const Mesh& mesh, double spacing_m) {
   if (!(spacing_m > 0)) throw std::invalid_argument("sample_surface: the spacing must be above 0");
-  std::vector<double> area_up_to_m2;
-  double area_m2 = 0;
-  for (const auto& indices : mesh.triangles) {
-    area_up_to_m2.push_back(area_m2 += triangle_of(mesh, indices).area_m2());
-  }
-  const auto candidates_n = static_cast<std::uint64_t>(
-      std::ceil(kCandidatesPerPoint * area_m2 / (spacing_m * spacing_m)));
+  const double candidates_per_m2 = kCandidatesPerPoint / (spacing_m * spacing_m);
   KeptPoints kept(kMinDistanceShare * spacing_m);
-  for (std::uint64_t i = 0; i < candidates_n; ++i) {
-    const auto [r0, r1, r2] = r3_sequence(i);
-    // The first triangle that ends beyond r0: never one without area.
-    const auto chosen = std::upper_bound(area_up_to_m2.begin(), area_up_to_m2.end(), r0 * area_m2);
-    if (chosen == area_up_to_m2.end()) continue;
-    const Triangle triangle =
-        triangle_of(mesh, mesh.triangles[static_cast<std::size_t>(chosen - area_up_to_m2.begin())]);
-    kept.add_unless_too_near({point_in(triangle, r1, r2).cast<float>(),
-                              triangle.area_vector_m2().normalized().cast<float>()});
+  double area_m2 = 0;
+  std::uint64_t i = 0;
+  for (const auto& indices : mesh.triangles) {
+    const Triangle triangle = triangle_of(mesh, indices);
+    const Eigen::Vector3f normal = triangle.area_vector_m2().normalized().cast<float>();
+    area_m2 += triangle.area_m2();
+    // Counted over the whole surface: triangles too small for a candidate of their own share one.
+    for (; static_cast<double>(i) < candidates_per_m2 * area_m2; ++i) {
+      const auto [u, v] = r2_sequence(i);
+      kept.add_unless_too_near({point_in(triangle, u, v).cast<float>(), normal});
+    }
   }
   return kept.take();
 }

@@ -190,7 +190,7 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
     to_ids(object.grs.neighbour_ids);
     to_ids(object.grs.overlap_ids);
 
-    PlannedGrasp planned = plan_grasp(i, placed, bin_size_m, request.gripper, parameters.grasp);
+    const PlannedGrasp planned = plan_grasp(i, placed, bin_size_m, request.gripper, parameters.grasp);
     Grasp grasp;
     grasp.object_id = object.id;
     grasp.pick_point = "principal_axis";
@@ -199,7 +199,7 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
     grasp.standoff_m = request.gripper.standoff_m;
     grasp.retreat_m = request.gripper.retreat_m;
     grasp.score = object.grs.grs;
-    grasp.checks = std::move(planned.checks);
+    grasp.checks = planned.checks;
     for (const CheckReport& check : grasp.checks) {
       const bool failed = check.state == CheckState::kFailed;
       answer.funnel.rejected_by_check_n[static_cast<std::size_t>(check.check)] += failed;

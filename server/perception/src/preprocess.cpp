@@ -240,6 +240,7 @@ Cloud above_plane(const Cloud& cloud, const Plane& plane, double max_height_m,
 }
 
 void estimate_normals(Cloud& cloud, const PreprocessParameters& parameters) {
+  if (cloud.empty()) return;
   const auto points = to_pcl(cloud);
   pcl::NormalEstimation<pcl::PointXYZ, pcl::Normal> estimation;
   estimation.setInputCloud(points);

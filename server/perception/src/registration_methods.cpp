@@ -1,3 +1,4 @@
+#include <pcl/console/print.h>
 #include <pcl/features/fpfh.h>
 #include <pcl/registration/ia_ransac.h>
 #include <pcl/registration/icp.h>
@@ -18,6 +19,12 @@ namespace {
 using Points = pcl::PointCloud<pcl::PointXYZ>;
 using Features = pcl::PointCloud<pcl::FPFHSignature33>;
 using Tree = pcl::search::KdTree<pcl::PointXYZ>;
+
+// A library does not print: PCL would, on every alignment that finds too few partners.
+[[maybe_unused]] const bool kPclIsQuiet = [] {
+  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+  return true;
+}();
 
 constexpr std::size_t kMinSegmentPoints = 10;
 constexpr double kTemplateSpacing_m = 0.003;

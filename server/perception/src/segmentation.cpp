@@ -51,12 +51,14 @@ std::vector<Indices> improved_dbscan(const Cloud& cloud, const SegmentationParam
 }
 
 std::vector<Indices> plain_dbscan(const Cloud& cloud, const SegmentationParameters& parameters) {
+  if (cloud.empty()) return {};
   const Neighbourhoods neighbourhoods = kdtree_neighbourhoods(cloud, parameters.eps_m);
   return clusters_of(dbscan(cloud, neighbourhoods, parameters.min_points_n));
 }
 
 std::vector<Indices> euclidean_clusters(const Cloud& cloud,
                                         const SegmentationParameters& parameters) {
+  if (cloud.empty()) return {};
   const auto points = to_pcl(cloud);
   const pcl::search::KdTree<pcl::PointXYZ>::Ptr tree(new pcl::search::KdTree<pcl::PointXYZ>);
   tree->setInputCloud(points);
@@ -70,6 +72,7 @@ std::vector<Indices> euclidean_clusters(const Cloud& cloud,
 }
 
 std::vector<Indices> region_growing(const Cloud& cloud, const SegmentationParameters& parameters) {
+  if (cloud.empty()) return {};
   const pcl::search::KdTree<pcl::PointXYZ>::Ptr tree(new pcl::search::KdTree<pcl::PointXYZ>);
   pcl::RegionGrowing<pcl::PointXYZ, pcl::Normal> growing;
   growing.setSearchMethod(tree);

@@ -4,8 +4,9 @@
 
 #include <cmath>
 
-// The one place that maps perception's parameters to YAML: each is named once, with the range that
-// makes sense, and the same visit reads and writes.
+// The one place that maps perception's parameters to YAML: each has one line here with the range
+// that makes sense, and the same visit reads and writes. The bindings name every member, so that a
+// parameter which is added to a struct and forgotten here does not compile.
 namespace graspd::service {
 namespace {
 
@@ -13,78 +14,93 @@ using perception::Parameters;
 
 template <class Visitor>
 void visit(perception::PreprocessParameters& p, Visitor& section) {
-  section.number("min_depth_m", p.min_depth_m, 0, 10);
-  section.number("max_depth_m", p.max_depth_m, 0.01, 20);
-  section.number("voxel_m", p.voxel_m, 0, 0.1);
-  section.number("wall_margin_m", p.wall_margin_m, 0, 0.1);
-  section.number("plane_tolerance_m", p.plane_tolerance_m, 1e-4, 0.1);
-  section.number("plane_iterations_n", p.plane_iterations_n, 1, 100'000);
-  section.number("plane_min_share", p.plane_min_share, 0, 1);
-  section.number("max_behind_plane_share", p.max_behind_plane_share, 0, 1);
-  section.number("normal_neighbours_n", p.normal_neighbours_n, 3, 1000);
+  auto& [min_depth_m, max_depth_m, voxel_m, wall_margin_m, plane_tolerance_m, plane_iterations_n,
+         plane_min_share, max_behind_plane_share, normal_neighbours_n] = p;
+  section.number("min_depth_m", min_depth_m, 0, 10);
+  section.number("max_depth_m", max_depth_m, 0.01, 20);
+  section.number("voxel_m", voxel_m, 0, 0.1);
+  section.number("wall_margin_m", wall_margin_m, 0, 0.1);
+  section.number("plane_tolerance_m", plane_tolerance_m, 1e-4, 0.1);
+  section.number("plane_iterations_n", plane_iterations_n, 1, 100'000);
+  section.number("plane_min_share", plane_min_share, 0, 1);
+  section.number("max_behind_plane_share", max_behind_plane_share, 0, 1);
+  section.number("normal_neighbours_n", normal_neighbours_n, 3, 1000);
 }
 
 template <class Visitor>
 void visit(perception::SegmentationParameters& p, Visitor& section) {
-  section.choice("method", p.method);
-  section.number("eps_m", p.eps_m, 1e-4, 0.1);
-  section.number("min_points_n", p.min_points_n, 1, 1000);
-  section.number("octree_depth_n", p.octree_depth_n, 1, 16);
-  section.number("smoothness_rad", p.smoothness_rad, 0, M_PI);
-  section.number("curvature", p.curvature, 0, 1);
-  section.number("euclidean_tolerance_m", p.euclidean_tolerance_m, 1e-4, 0.1);
-  section.number("region_neighbours_n", p.region_neighbours_n, 3, 1000);
-  section.number("region_smoothness_rad", p.region_smoothness_rad, 0, M_PI);
-  section.number("region_curvature", p.region_curvature, 0, 1);
-  section.number("min_segment_share", p.min_segment_share, 0, 1);
+  auto& [method, eps_m, min_points_n, octree_depth_n, smoothness_rad, curvature,
+         euclidean_tolerance_m, region_neighbours_n, region_smoothness_rad, region_curvature,
+         min_segment_share] = p;
+  section.choice("method", method);
+  section.number("eps_m", eps_m, 1e-4, 0.1);
+  section.number("min_points_n", min_points_n, 1, 1000);
+  section.number("octree_depth_n", octree_depth_n, 1, 16);
+  section.number("smoothness_rad", smoothness_rad, 0, M_PI);
+  section.number("curvature", curvature, 0, 1);
+  section.number("euclidean_tolerance_m", euclidean_tolerance_m, 1e-4, 0.1);
+  section.number("region_neighbours_n", region_neighbours_n, 3, 1000);
+  section.number("region_smoothness_rad", region_smoothness_rad, 0, M_PI);
+  section.number("region_curvature", region_curvature, 0, 1);
+  section.number("min_segment_share", min_segment_share, 0, 1);
 }
 
 template <class Visitor>
 void visit(perception::RegistrationParameters& p, Visitor& section) {
-  section.choice("method", p.method);
-  section.number("icp_iterations_n", p.icp_iterations_n, 1, 10'000);
-  section.number("icp_max_distance_m", p.icp_max_distance_m, 1e-4, 1);
-  section.number("inlier_tolerance_m", p.inlier_tolerance_m, 1e-4, 0.1);
-  section.number("min_score", p.min_score, 0, 1);
-  section.number("feature_radius_m", p.feature_radius_m, 1e-3, 1);
-  section.number("sac_iterations_n", p.sac_iterations_n, 1, 1'000'000);
-  section.number("ndt_resolution_m", p.ndt_resolution_m, 1e-3, 1);
+  auto& [method, icp_iterations_n, icp_max_distance_m, inlier_tolerance_m, min_score,
+         feature_radius_m, sac_iterations_n, ndt_resolution_m] = p;
+  section.choice("method", method);
+  section.number("icp_iterations_n", icp_iterations_n, 1, 10'000);
+  section.number("icp_max_distance_m", icp_max_distance_m, 1e-4, 1);
+  section.number("inlier_tolerance_m", inlier_tolerance_m, 1e-4, 0.1);
+  section.number("min_score", min_score, 0, 1);
+  section.number("feature_radius_m", feature_radius_m, 1e-3, 1);
+  section.number("sac_iterations_n", sac_iterations_n, 1, 1'000'000);
+  section.number("ndt_resolution_m", ndt_resolution_m, 1e-3, 1);
 }
 
 template <class Visitor>
 void visit(perception::GrsParameters& p, Visitor& section) {
-  section.choice("order", p.order);
-  section.choice("p_system", p.p_system);
-  section.number("alpha", p.alpha, -1e6, 1e6);
-  section.number("beta", p.beta, -1e6, 1e6);
-  section.number("k1", p.k1, -1e6, 1e6);
-  section.number("k2", p.k2, -1e6, 1e6);
-  section.number("neighbours_n", p.neighbours_n, 1, 1000);
-  section.number("overlap_threshold_n", p.overlap_threshold_n, 0, 1'000'000);
-  section.number("overlap_distance_m", p.overlap_distance_m, 1e-4, 0.1);
+  auto& [order, p_system, alpha, beta, k1, k2, neighbours_n, isolation_distance_m,
+         overlap_threshold_n, overlap_distance_m] = p;
+  section.choice("order", order);
+  section.choice("p_system", p_system);
+  section.number("alpha", alpha, -1e6, 1e6);
+  section.number("beta", beta, -1e6, 1e6);
+  section.number("k1", k1, -1e6, 1e6);
+  section.number("k2", k2, -1e6, 1e6);
+  section.number("neighbours_n", neighbours_n, 1, 1000);
+  section.number("isolation_distance_m", isolation_distance_m, 0, 10);
+  section.number("overlap_threshold_n", overlap_threshold_n, 0, 1'000'000);
+  section.number("overlap_distance_m", overlap_distance_m, 1e-4, 0.1);
 }
 
 template <class Visitor>
 void visit(perception::GraspParameters& p, Visitor& section) {
-  section.number("k3", p.k3, -1e6, 1e6);
-  section.number("k4", p.k4, -1e6, 1e6);
-  section.number("axis_step_m", p.axis_step_m, 1e-4, 0.1);
-  section.number("max_grasps_n", p.max_grasps_n, 1, 1000);
+  auto& [k3, k4, axis_step_m, max_tilt_rad, tilt_step_rad, max_grasps_n] = p;
+  section.number("k3", k3, -1e6, 1e6);
+  section.number("k4", k4, -1e6, 1e6);
+  section.number("axis_step_m", axis_step_m, 1e-4, 0.1);
+  section.number("max_tilt_rad", max_tilt_rad, 0, M_PI / 2);
+  section.number("tilt_step_rad", tilt_step_rad, 0.01, M_PI / 2);
+  section.number("max_grasps_n", max_grasps_n, 1, 1000);
 }
 
 template <class Visitor>
 void visit(perception::DisplacementParameters& p, Visitor& section) {
-  section.number("threshold_m", p.threshold_m, 0, 1);
+  auto& [threshold_m] = p;
+  section.number("threshold_m", threshold_m, 0, 1);
 }
 
 template <class Visitor>
 void visit(Parameters& p, Visitor& visitor) {
-  visitor.section("preprocess", p.preprocess);
-  visitor.section("segmentation", p.segmentation);
-  visitor.section("registration", p.registration);
-  visitor.section("grs", p.grs);
-  visitor.section("grasp", p.grasp);
-  visitor.section("displacement", p.displacement);
+  auto& [preprocess, segmentation, registration, grs, grasp, displacement] = p;
+  visitor.section("preprocess", preprocess);
+  visitor.section("segmentation", segmentation);
+  visitor.section("registration", registration);
+  visitor.section("grs", grs);
+  visitor.section("grasp", grasp);
+  visitor.section("displacement", displacement);
 }
 
 struct Reader {
@@ -100,7 +116,7 @@ struct Reader {
     map.optional(key, value);
     const auto number = static_cast<double>(value);
     if (!(number >= low && number <= high)) {
-      map.fault(key, fmt::format("{} is outside {} … {}", value, low, high));
+      map.fault(key, fmt::format("{}: {} is outside {} … {}", key, value, low, high));
     }
   }
   template <class Enum>

@@ -14,12 +14,17 @@ namespace graspd::codec {
 
 using Bytes = std::span<const std::byte>;
 
+/// The same message is always the same bytes. Takes what it is given: a request that `validate`
+/// refuses is refused by the server, and so is one above kMaxRequestEnvelope_bytes, which a
+/// last_plan of more than about 110 objects is.
 std::string encode_request(const Request& request);
 /// Checks sizes before parsing, the protocol version, every enumeration, count, number and pose.
 /// \returns INVALID_ARGUMENT or UNSUPPORTED_VERSION, with the field's name, its value, and what
 /// would be right.
 Result<Request> decode_request(Bytes envelope);
 
+/// Takes what it is given, even above kMaxAnswer_bytes. Throws std::invalid_argument for
+/// UNAVAILABLE, which never crosses the wire.
 std::string encode_answer(const Answer& answer);
 /// \returns INTERNAL where the answer is not one of `graspd.v1`.
 Result<Answer> decode_answer(Bytes envelope);
@@ -34,7 +39,7 @@ struct EncodedFrame {
   FrameDescription description;
   std::vector<std::byte> payload;
 };
-/// Raw is little-endian uint16, row by row.
+/// Raw is little-endian uint16, row by row. RVL of an image that it would make larger is sent raw.
 EncodedFrame encode_frame(const DepthFrame& frame, DepthEncoding encoding);
 /// \returns INVALID_ARGUMENT where the payload's size or checksum differs from the description, or
 /// the frame fails `validate`.

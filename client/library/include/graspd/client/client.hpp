@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <future>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "graspd/client/dispatcher.hpp"
+#include "graspd/types/answer.hpp"
+#include "graspd/types/envelope.hpp"
+#include "graspd/types/frame.hpp"
+#include "graspd/types/request.hpp"
+
+namespace graspd::client {
+
+struct ClientOptions {
+  std::string cell = "default";  ///< whose turn a request counts as: one name per robot cell
+  DepthEncoding encoding = DepthEncoding::kRaw;
+  DispatchOptions dispatch;
+};
+
+struct ServerHealth {
+  std::string endpoint;
+  Result<HealthAnswer> health;
+};
+
+/// Asks grasp servers for plans. Servers keep nothing between requests, so any of them will do: the
+/// client knows all addresses and balances itself, with no broker between.
+///
+/// All members may be called from any thread at once. Sockets belong to one thread inside.
+class Client {
+ public:
+  /// Returns at once, connected or not. \param endpoints the servers' data endpoints, as
+  /// "tcp://127.0.0.1:5555".
+  /// \throws std::invalid_argument for one that is no endpoint, or none at all.
+  explicit Client(const std::vector<std::string>& endpoints, ClientOptions options = {});
+  ~Client();
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  /// Waits for the answer, `budget` at most.
+  /// \returns the server's refusals by their codes, UNAVAILABLE where no server is there, and
+  /// INVALID_ARGUMENT for what need not be sent to know that it is wrong.
+  Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
+                          std::chrono::milliseconds budget);
+  /// The same without waiting. Frame and request are copied.
+  std::future<Result<PlanAnswer>> submit(const DepthFrame& frame, const PlanRequest& request,
+                                         std::chrono::milliseconds budget);
+
+  /// Asks every server once.
+  std::vector<ServerHealth> health(std::chrono::milliseconds budget = std::chrono::seconds(2));
+
+ private:
+  class Loop;
+  std::vector<std::string> endpoints_;
+  ClientOptions options_;
+  std::unique_ptr<Loop> loop_;
+};
+
+}  // namespace graspd::client

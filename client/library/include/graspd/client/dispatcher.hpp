@@ -1,0 +1,103 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "graspd/types/envelope.hpp"
+
+namespace graspd::client {
+
+using Clock = std::chrono::steady_clock;
+using TimePoint = Clock::time_point;
+
+struct DispatchOptions {
+  /// Where another server could be asked, how long to wait for one. With nobody else to ask, an
+  /// attempt may take all of the budget that is left.
+  std::chrono::milliseconds attempt_timeout{3000};
+  /// How long a call waits for any server to be connected.
+  std::chrono::milliseconds connect_timeout{1500};
+  std::uint32_t max_attempts_n = 3;
+};
+
+/// Which server is asked next, and when a call has failed: the decisions of the Freelance pattern,
+/// without its sockets. Servers are named by their index.
+///
+/// A call goes to the connected server with the fewest calls in flight. Where an attempt gets no
+/// answer, is shed (BUSY, DRAINING) or loses its connection, the next one goes to another server
+/// where there is one. Retries are at most a tenth of all calls in the long run, so that clients
+/// don't bury servers that are in trouble. Not thread-safe; time comes in with each call.
+class Dispatcher {
+ public:
+  Dispatcher(std::vector<std::string> endpoints, DispatchOptions options, std::uint64_t seed);
+
+  /// `only`: ask this server, once (health).
+  void add(const RequestId& id, TimePoint now, TimePoint deadline,
+           std::optional<std::size_t> only = std::nullopt);
+  void connected(std::size_t server);
+  void disconnected(std::size_t server, TimePoint now);
+  /// \returns the call's end, if this is it. Answers of calls that have ended are dropped.
+  std::optional<Result<Answer>> answered(std::size_t server, Answer answer, TimePoint now);
+  /// The socket took nothing: the attempt has not been one.
+  void not_sent(const RequestId& id, TimePoint now);
+
+  struct Attempt {
+    RequestId id{};
+    std::size_t server = 0;
+    std::uint32_t number = 1;
+    std::chrono::milliseconds budget{0};
+  };
+  struct Failed {
+    RequestId id{};
+    Error error;
+  };
+  struct Step {
+    std::vector<Attempt> attempts;  ///< to be sent now
+    std::vector<Failed> failed;
+    TimePoint wake = TimePoint::max();
+  };
+  /// Everything that is due.
+  Step step(TimePoint now);
+
+ private:
+  struct Server {
+    std::string endpoint;
+    bool connected = false;
+    std::size_t in_flight_n = 0;
+    TimePoint hold_until;  ///< it asked to be left alone
+  };
+  struct Call {
+    TimePoint started;
+    TimePoint deadline;
+    std::optional<std::size_t> only;
+    std::uint32_t attempts_n = 0;
+    std::optional<std::size_t> server;  ///< while in flight
+    TimePoint attempt_deadline;
+    TimePoint not_before;
+    TimePoint connect_until;
+    std::vector<bool> tried;
+    std::optional<Error> last_error;
+  };
+
+  void land(Call& call);
+  void retry_later(Call& call, TimePoint now, Error why);
+  std::optional<Error> verdict(Call& call, TimePoint now);
+  std::optional<std::size_t> choose(const Call& call, TimePoint now) const;
+  Attempt launch(const RequestId& id, Call& call, std::size_t server, TimePoint now);
+  bool any_connected(const Call& call) const;
+  bool may_use(const Call& call, std::size_t server) const;
+  TimePoint wake_of(const Call& call, TimePoint now) const;
+  Error unavailable(const Call& call) const;
+
+  DispatchOptions options_;
+  std::vector<Server> servers_;
+  std::map<RequestId, Call> calls_;
+  double retry_tokens_;
+  std::mt19937_64 random_;
+};
+
+}  // namespace graspd::client

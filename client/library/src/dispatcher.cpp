@@ -1,0 +1,226 @@
+#include "graspd/client/dispatcher.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <tuple>
+
+namespace graspd::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr double kRetryTokens = 10;
+constexpr double kRetryTokensPerCall = 0.1;
+constexpr milliseconds kBackOff{50};
+constexpr milliseconds kDrainingHold{1000};
+constexpr milliseconds kFullSocketHold{20};
+
+}  // namespace
+
+Dispatcher::Dispatcher(std::vector<std::string> endpoints, DispatchOptions options,
+                       std::uint64_t seed)
+    : options_(options), retry_tokens_(kRetryTokens), random_(seed) {
+  if (endpoints.empty()) throw std::invalid_argument("a client needs at least one server");
+  for (std::string& endpoint : endpoints) {
+    Server server;
+    server.endpoint = std::move(endpoint);
+    servers_.push_back(std::move(server));
+  }
+}
+
+void Dispatcher::add(const RequestId& id, TimePoint now, TimePoint deadline,
+                     std::optional<std::size_t> only) {
+  Call call;
+  call.started = now;
+  call.deadline = deadline;
+  call.only = only;
+  call.not_before = now;
+  call.connect_until = now + options_.connect_timeout;
+  call.tried.resize(servers_.size());
+  calls_[id] = std::move(call);
+  retry_tokens_ = std::min(kRetryTokens, retry_tokens_ + kRetryTokensPerCall);
+}
+
+void Dispatcher::connected(std::size_t server) { servers_[server].connected = true; }
+
+void Dispatcher::disconnected(std::size_t server, TimePoint now) {
+  servers_[server].connected = false;
+  for (auto& [id, call] : calls_) {
+    if (call.server != server) continue;
+    land(call);
+    call.connect_until = now + options_.connect_timeout;
+    retry_later(call, now,
+                {Code::kUnavailable,
+                 fmt::format("the connection to {} was lost before it answered; is grasp_server "
+                             "still running there?",
+                             servers_[server].endpoint)});
+  }
+}
+
+std::optional<Result<Answer>> Dispatcher::answered(std::size_t server, Answer answer,
+                                                   TimePoint now) {
+  const auto found = calls_.find(answer.id);
+  if (found == calls_.end()) return std::nullopt;
+  Call& call = found->second;
+  const bool current = call.server == server;
+  // An attempt that was given up may still bring the answer, but no longer a refusal.
+  if (!current && answer.code != Code::kOk) return std::nullopt;
+  land(call);
+  const bool shed = answer.code == Code::kBusy || answer.code == Code::kDraining;
+  if (shed) {
+    const milliseconds hold =
+        answer.code == Code::kBusy ? milliseconds(answer.retry_after_ms) : kDrainingHold;
+    servers_[server].hold_until = std::max(servers_[server].hold_until, now + hold);
+    retry_later(call, now, {answer.code, std::move(answer.message)});
+    return std::nullopt;
+  }
+  calls_.erase(found);
+  if (answer.code != Code::kOk) return fail(answer.code, "{}", answer.message);
+  return answer;
+}
+
+void Dispatcher::not_sent(const RequestId& id, TimePoint now) {
+  Call& call = calls_.at(id);
+  servers_[*call.server].hold_until = now + kFullSocketHold;
+  land(call);
+  --call.attempts_n;
+}
+
+Dispatcher::Step Dispatcher::step(TimePoint now) {
+  Step step;
+  for (auto it = calls_.begin(); it != calls_.end();) {
+    auto& [id, call] = *it;
+    if (std::optional<Error> error = verdict(call, now)) {
+      land(call);
+      step.failed.push_back({id, std::move(*error)});
+      it = calls_.erase(it);
+      continue;
+    }
+    if (!call.server && now >= call.not_before) {
+      if (const auto server = choose(call, now)) {
+        step.attempts.push_back(launch(id, call, *server, now));
+      }
+    }
+    step.wake = std::min(step.wake, wake_of(call, now));
+    ++it;
+  }
+  return step;
+}
+
+/// Ends the attempt in flight, if there is one.
+void Dispatcher::land(Call& call) {
+  if (!call.server) return;
+  --servers_[*call.server].in_flight_n;
+  call.server.reset();
+}
+
+void Dispatcher::retry_later(Call& call, TimePoint now, Error why) {
+  call.last_error = std::move(why);
+  // Another server is asked at once; the same one after a pause that differs between clients.
+  const bool untried = std::any_of(servers_.begin(), servers_.end(), [&](const Server& server) {
+    const auto index = static_cast<std::size_t>(&server - servers_.data());
+    return server.connected && may_use(call, index) && !call.tried[index];
+  });
+  std::uniform_real_distribution<double> jitter(0.5, 1.5);
+  const milliseconds pause =
+      untried ? milliseconds(0)
+              : std::chrono::duration_cast<milliseconds>(
+                    kBackOff * (1 << std::min(call.attempts_n, 5u)) / 2 * jitter(random_));
+  call.not_before = now + pause;
+}
+
+/// Whether the call has failed for good. Gives up an attempt that took too long.
+std::optional<Error> Dispatcher::verdict(Call& call, TimePoint now) {
+  if (call.server && now >= call.attempt_deadline) {
+    const std::string& endpoint = servers_[*call.server].endpoint;
+    land(call);
+    retry_later(
+        call, now,
+        {Code::kDeadlineExceeded,
+         fmt::format("{} did not answer in time; give the call a larger budget", endpoint)});
+  }
+  if (call.server) return std::nullopt;
+  if (now >= call.deadline) return call.last_error.value_or(unavailable(call));
+  if (call.attempts_n > 0) {
+    const bool no_more = call.only || call.attempts_n >= options_.max_attempts_n;
+    if (no_more || retry_tokens_ < 1) {
+      Error error = *call.last_error;
+      if (call.attempts_n > 1) error.message += fmt::format(" ({} attempts)", call.attempts_n);
+      return error;
+    }
+  }
+  if (!any_connected(call)) {
+    if (now < call.connect_until) return std::nullopt;
+    return call.last_error.value_or(unavailable(call));
+  }
+  // Everybody asked to be left alone for longer than there is time.
+  if (call.last_error && wake_of(call, now) >= call.deadline) return call.last_error;
+  return std::nullopt;
+}
+
+std::optional<std::size_t> Dispatcher::choose(const Call& call, TimePoint now) const {
+  std::optional<std::size_t> best;
+  const auto rank = [&](std::size_t index) {
+    return std::make_tuple(static_cast<bool>(call.tried[index]), servers_[index].in_flight_n,
+                           index);
+  };
+  for (std::size_t index = 0; index < servers_.size(); ++index) {
+    const Server& server = servers_[index];
+    if (!server.connected || !may_use(call, index) || server.hold_until > now) continue;
+    if (!best || rank(index) < rank(*best)) best = index;
+  }
+  return best;
+}
+
+Dispatcher::Attempt Dispatcher::launch(const RequestId& id, Call& call, std::size_t server,
+                                       TimePoint now) {
+  if (call.attempts_n > 0) retry_tokens_ -= 1;
+  const bool others = !call.only && std::count_if(servers_.begin(), servers_.end(),
+                                                  [](const Server& s) { return s.connected; }) > 1;
+  call.attempt_deadline =
+      others ? std::min(call.deadline, now + options_.attempt_timeout) : call.deadline;
+  call.server = server;
+  call.tried[server] = true;
+  ++call.attempts_n;
+  ++servers_[server].in_flight_n;
+  return {id, server, call.attempts_n,
+          std::chrono::ceil<milliseconds>(call.attempt_deadline - now)};
+}
+
+bool Dispatcher::any_connected(const Call& call) const {
+  for (std::size_t index = 0; index < servers_.size(); ++index) {
+    if (servers_[index].connected && may_use(call, index)) return true;
+  }
+  return false;
+}
+
+bool Dispatcher::may_use(const Call& call, std::size_t server) const {
+  return !call.only || *call.only == server;
+}
+
+TimePoint Dispatcher::wake_of(const Call& call, TimePoint now) const {
+  if (call.server) return call.attempt_deadline;
+  if (!any_connected(call)) return std::min(call.connect_until, call.deadline);
+  TimePoint held = TimePoint::max();
+  for (std::size_t index = 0; index < servers_.size(); ++index) {
+    if (servers_[index].connected && may_use(call, index)) {
+      held = std::min(held, servers_[index].hold_until);
+    }
+  }
+  return std::min(call.deadline, std::max({now, held, call.not_before}));
+}
+
+Error Dispatcher::unavailable(const Call& call) const {
+  std::string endpoints;
+  for (std::size_t index = 0; index < servers_.size(); ++index) {
+    if (!may_use(call, index)) continue;
+    if (!endpoints.empty()) endpoints += ", ";
+    endpoints += servers_[index].endpoint;
+  }
+  return {Code::kUnavailable,
+          fmt::format("no server answers at {}; check that grasp_server runs there, and that "
+                      "address and port are right",
+                      endpoints)};
+}
+
+}  // namespace graspd::client

@@ -1,0 +1,157 @@
+#include "loop.hpp"
+
+#include <pthread.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <random>
+#include <system_error>
+
+#include "graspd/codec/codec.hpp"
+
+namespace graspd::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLongestSleep{1000};
+
+std::vector<ServerLink> connect(zmq::context_t& context,
+                                const std::vector<std::string>& endpoints) {
+  std::vector<ServerLink> links;
+  for (const std::string& endpoint : endpoints) links.emplace_back(context, endpoint, links.size());
+  return links;
+}
+
+/// Signals are for the program's own threads: one that hits ours would interrupt a socket.
+std::thread thread_without_signals(std::function<void()> body) {
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread thread(std::move(body));
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return thread;
+}
+
+}  // namespace
+
+Client::Loop::Loop(const std::vector<std::string>& endpoints, const DispatchOptions& options)
+    : links_(connect(context_, endpoints)),
+      dispatcher_(endpoints, options, std::random_device{}()),
+      wake_(Clock::now()),
+      wake_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (wake_fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  thread_ = thread_without_signals([this] { run(); });
+}
+
+Client::Loop::~Loop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  eventfd_write(wake_fd_, 1);
+  thread_.join();
+  close(wake_fd_);
+}
+
+void Client::Loop::post(Call call) {
+  {
+    const std::lock_guard lock(mutex_);
+    posted_.push_back(std::move(call));
+  }
+  eventfd_write(wake_fd_, 1);
+}
+
+void Client::Loop::run() {
+  while (take_posted()) {
+    for (std::size_t server = 0; server < links_.size(); ++server) read_server(server);
+    send_due();
+    std::vector<zmq::pollitem_t> items{{nullptr, wake_fd_, ZMQ_POLLIN, 0}};
+    for (ServerLink& link : links_) {
+      items.push_back(link.socket_item());
+      items.push_back(link.monitor_item());
+    }
+    const TimePoint now = Clock::now();
+    const TimePoint until = std::min(wake_, now + kLongestSleep);
+    zmq::poll(items, std::max(milliseconds(0), std::chrono::ceil<milliseconds>(until - now)));
+  }
+  while (!calls_.empty()) {
+    end(calls_.begin()->first, fail(Code::kUnavailable, "the client was closed before an answer"));
+  }
+}
+
+bool Client::Loop::take_posted() {
+  eventfd_t ignored = 0;
+  eventfd_read(wake_fd_, &ignored);
+  std::vector<Call> posted;
+  bool stop = false;
+  {
+    const std::lock_guard lock(mutex_);
+    posted.swap(posted_);
+    stop = stop_;
+  }
+  for (Call& call : posted) {
+    const RequestId id = call.request.id;
+    dispatcher_.add(id, Clock::now(), call.deadline, call.only);
+    calls_[id] = std::move(call);
+  }
+  return !stop;
+}
+
+void Client::Loop::read_server(std::size_t server) {
+  // Answers first: what a server sent before it left is still an answer.
+  while (const auto envelope = links_[server].receive()) {
+    const codec::Bytes bytes(static_cast<const std::byte*>(envelope->data()), envelope->size());
+    Result<Answer> answer = codec::decode_answer(bytes);
+    if (!answer) continue;  // not graspd.v1: nobody's answer, and its call will time out
+    const RequestId id = answer->id;
+    if (auto result = dispatcher_.answered(server, std::move(*answer), Clock::now())) {
+      end(id, std::move(*result));
+    }
+  }
+  while (true) {
+    switch (links_[server].next_change()) {
+      case ServerLink::Change::kNone:
+        return;
+      case ServerLink::Change::kConnected:
+        dispatcher_.connected(server);
+        break;
+      case ServerLink::Change::kDisconnected:
+        dispatcher_.disconnected(server, Clock::now());
+        break;
+    }
+  }
+}
+
+void Client::Loop::send_due() {
+  const TimePoint now = Clock::now();
+  Dispatcher::Step step = dispatcher_.step(now);
+  wake_ = step.wake;
+  for (const Dispatcher::Attempt& attempt : step.attempts) {
+    Call& call = calls_.at(attempt.id);
+    call.request.attempt = attempt.number;
+    call.request.budget_ms = static_cast<std::uint32_t>(attempt.budget.count());
+    const std::string envelope = codec::encode_request(call.request);
+    std::vector<zmq::message_t> frames;
+    frames.emplace_back(envelope.data(), envelope.size());
+    if (call.payload) frames.emplace_back(call.payload->data(), call.payload->size());
+    if (links_[attempt.server].send(std::move(frames))) continue;
+    dispatcher_.not_sent(attempt.id, now);
+    wake_ = std::min(wake_, now + milliseconds(1));
+  }
+  for (Dispatcher::Failed& failed : step.failed) {
+    end(failed.id, tl::unexpected(std::move(failed.error)));
+  }
+}
+
+void Client::Loop::end(const RequestId& id, Result<Answer> result) {
+  const auto found = calls_.find(id);
+  const Done done = std::move(found->second.done);
+  calls_.erase(found);
+  done(std::move(result));
+}
+
+}  // namespace graspd::client

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+#include <zmq.hpp>
+
+#include "graspd/client/client.hpp"
+#include "server_link.hpp"
+
+namespace graspd::client {
+
+/// The thread that owns the sockets. Other threads hand it calls through a queue and an eventfd.
+class Client::Loop {
+ public:
+  using Done = std::function<void(Result<Answer>)>;
+
+  struct Call {
+    Request request;  ///< attempt and budget are filled in with each attempt
+    std::shared_ptr<const std::vector<std::byte>> payload;  ///< null for health
+    TimePoint deadline;
+    std::optional<std::size_t> only;
+    Done done;  ///< called once, on the loop's thread
+  };
+
+  Loop(const std::vector<std::string>& endpoints, const DispatchOptions& options);
+  ~Loop();
+  void post(Call call);
+
+ private:
+  void run();
+  bool take_posted();
+  void read_server(std::size_t server);
+  void send_due();
+  void end(const RequestId& id, Result<Answer> result);
+
+  zmq::context_t context_;
+  std::vector<ServerLink> links_;
+  Dispatcher dispatcher_;
+  std::map<RequestId, Call> calls_;
+  TimePoint wake_;
+
+  int wake_fd_;
+  std::mutex mutex_;
+  std::vector<Call> posted_;  ///< guarded by mutex_
+  bool stop_ = false;         ///< guarded by mutex_
+  std::thread thread_;
+};
+
+}  // namespace graspd::client

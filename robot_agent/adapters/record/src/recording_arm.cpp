@@ -1,0 +1,62 @@
+#include "graspd/record/recording_arm.hpp"
+
+#include "json.hpp"
+
+namespace graspd::record {
+namespace {
+
+Json bin_json(const Bin& bin) {
+  return {{"T_base_bin", row_major(bin.T_base_bin)},
+          {"inner_size_m",
+           std::array{bin.inner_size_m.x(), bin.inner_size_m.y(), bin.inner_size_m.z()}}};
+}
+
+}  // namespace
+
+Result<RecordingArm> RecordingArm::create(const std::filesystem::path& path,
+                                          const CellFrames& frames) {
+  auto lines = JsonLines::create(path);
+  if (!lines) return tl::unexpected(lines.error());
+  Json header = {{"cell", frames.cell}, {"T_base_camera", row_major(frames.T_base_camera)}};
+  if (frames.bin) header["bin"] = bin_json(*frames.bin);
+  if (auto ok = lines->add(to_line(header)); !ok) return tl::unexpected(ok.error());
+  return RecordingArm(*std::move(lines));
+}
+
+bool RecordingArm::reaches(std::span<const agent::Motion>) { return true; }
+
+Result<void> RecordingArm::move(const agent::Motion& motion) {
+  if (motion.step == agent::Step::kPreGrasp) ++pick_n_;
+  const Json line = {{"pick", pick_n_},
+                     {"step", name_of(motion.step)},
+                     {"path", name_of(motion.path)},
+                     {"T_base_grasp", row_major(motion.T_base_grasp)}};
+  return lines_.add(to_line(line));
+}
+
+Result<void> RecordingArm::move_out_of_view() {
+  const Json line = {{"pick", pick_n_}, {"step", name_of(agent::Step::kOutOfView)}};
+  return lines_.add(to_line(line));
+}
+
+void RecordingArm::stop() {
+  // The cycle stops anyway: a file that takes no more has been reported by the order before.
+  static_cast<void>(lines_.add(to_line({{"pick", pick_n_}, {"step", "stop"}})));
+}
+
+Result<void> RecordingArm::open(double opening_width_m) {
+  const agent::Step step = closed_ ? agent::Step::kRelease : agent::Step::kOpen;
+  closed_ = false;
+  const Json line = {
+      {"pick", pick_n_}, {"step", name_of(step)}, {"opening_width_m", opening_width_m}};
+  return lines_.add(to_line(line));
+}
+
+Result<void> RecordingArm::close() {
+  closed_ = true;
+  return lines_.add(to_line({{"pick", pick_n_}, {"step", name_of(agent::Step::kClose)}}));
+}
+
+Result<bool> RecordingArm::holds_something() { return closed_; }
+
+}  // namespace graspd::record

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "graspd/types/answer.hpp"
+
+namespace graspd::agent {
+
+/// What the arm and the gripper do in one pick, in this order.
+enum class Step {
+  kPreGrasp,
+  kOpen,
+  kApproach,
+  kClose,
+  kLift,
+  kTransfer,
+  kPlace,
+  kRelease,
+  kRetreat,
+  kOutOfView,
+};
+
+}  // namespace graspd::agent
+
+template <>
+struct graspd::EnumNames<graspd::agent::Step> {
+  using Step = agent::Step;
+  static constexpr std::string_view what = "step";
+  static constexpr std::pair<Step, std::string_view> values[] = {
+      {Step::kPreGrasp, "pre_grasp"},   {Step::kOpen, "open"},       {Step::kApproach, "approach"},
+      {Step::kClose, "close"},          {Step::kLift, "lift"},       {Step::kTransfer, "transfer"},
+      {Step::kPlace, "place"},          {Step::kRelease, "release"}, {Step::kRetreat, "retreat"},
+      {Step::kOutOfView, "out_of_view"}};
+};
+
+namespace graspd::agent {
+
+/// How the arm gets to a pose.
+enum class Path {
+  kFree,      ///< any way that touches nothing
+  kStraight,  ///< the grasp frame moves on a straight line
+};
+
+/// One order to the arm: bring the grasp frame (the middle between the finger tips) to this pose.
+struct Motion {
+  Step step = Step::kPreGrasp;
+  Path path = Path::kFree;
+  Eigen::Isometry3d T_base_grasp = Eigen::Isometry3d::Identity();
+};
+
+/// The six motions of one pick. Above the place the arm keeps the height it retreats by.
+struct PickMotions {
+  Motion pre_grasp;
+  Motion approach;
+  Motion lift;
+  Motion transfer;
+  Motion place;
+  Motion retreat;
+
+  std::array<Motion, 6> all() const {
+    return {pre_grasp, approach, lift, transfer, place, retreat};
+  }
+};
+
+/// Backs off from the grasp by its standoff along the approach, lifts by its retreat along base z.
+/// \param T_base_place where the grasp frame is when the gripper lets go.
+PickMotions pick_motions(const Grasp& grasp, const Eigen::Isometry3d& T_base_place);
+
+}  // namespace graspd::agent
+
+template <>
+struct graspd::EnumNames<graspd::agent::Path> {
+  using Path = agent::Path;
+  static constexpr std::string_view what = "path";
+  static constexpr std::pair<Path, std::string_view> values[] = {{Path::kFree, "free"},
+                                                                 {Path::kStraight, "straight"}};
+};

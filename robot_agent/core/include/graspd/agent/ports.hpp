@@ -1,0 +1,71 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "graspd/agent/motions.hpp"
+#include "graspd/types/answer.hpp"
+#include "graspd/types/frame.hpp"
+#include "graspd/types/request.hpp"
+
+/// All that the pick cycle knows of the world. Each adapter stands for one outside thing: a camera
+/// or a recording, an arm, a gripper, the perception server, the clock. The cycle calls them from
+/// one thread; every call blocks until it is done or has failed.
+///
+/// An Error says that the thing itself failed: the cycle then stops. "The gripper is empty" and
+/// "out of reach" are not errors but answers.
+namespace graspd::agent {
+
+class Camera {
+ public:
+  virtual ~Camera() = default;
+  /// The newest frame of a camera, the next one of a recording; nothing when there will be no more.
+  virtual Result<std::optional<DepthFrame>> next() = 0;
+};
+
+class Arm {
+ public:
+  virtual ~Arm() = default;
+  /// Whether the arm could do these motions one after the other. Nothing moves.
+  virtual bool reaches(std::span<const Motion> motions) = 0;
+  /// Returns when the arm stands at the pose.
+  virtual Result<void> move(const Motion& motion) = 0;
+  /// To where the camera sees nothing of the arm.
+  virtual Result<void> move_out_of_view() = 0;
+  /// Stand still, now, and hold: what is done after any error. The gripper stays as it is.
+  virtual void stop() = 0;
+};
+
+class Gripper {
+ public:
+  virtual ~Gripper() = default;
+  virtual Result<void> open(double opening_width_m) = 0;
+  /// Until something is held, or nothing is left to close.
+  virtual Result<void> close() = 0;
+  /// Whether there is something between the closed fingers.
+  virtual Result<bool> holds_something() = 0;
+};
+
+/// What came back for one frame; the id is known also where there was no answer.
+struct PlanReply {
+  std::string request_id;  ///< hexadecimal, as in the server's log
+  Result<PlanAnswer> answer;
+};
+
+class Planner {
+ public:
+  virtual ~Planner() = default;
+  virtual PlanReply plan(const DepthFrame& frame, const PlanRequest& request) = 0;
+};
+
+/// Monotonic time.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  virtual std::chrono::nanoseconds now() = 0;
+  virtual void sleep_for(std::chrono::nanoseconds duration) = 0;
+};
+
+}  // namespace graspd::agent

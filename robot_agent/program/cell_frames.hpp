@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "cell_config.hpp"
+
+namespace graspd::robot_agent {
+
+/// Where camera and bin stand, and what the camera is, from all who can say it.
+struct CellFrames {
+  Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
+  std::optional<CameraIntrinsics> intrinsics;  ///< nothing: the recording says them
+  std::optional<Bin> bin;
+};
+
+/// The configuration counts before the calibration file, and that before the recorded scene. A
+/// camera of which nobody says where it is looks straight down at a base below it, as in
+/// `looking_down`.
+/// \returns INVALID_ARGUMENT where a file that is named can't be read.
+Result<CellFrames> find_cell_frames(const CellConfig& config);
+
+}  // namespace graspd::robot_agent

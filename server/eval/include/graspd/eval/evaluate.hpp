@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "graspd/eval/accuracy.hpp"
+#include "graspd/perception/parameters.hpp"
+#include "graspd/types/answer.hpp"
+
+namespace graspd::eval {
+
+struct ImageReport {
+  int im_id = 0;
+  PlanAnswer answer;
+  double time_s = 0;  ///< of the whole plan, loading excluded
+  std::vector<BopResult> results;
+  std::optional<SegmentationAccuracy> segmentation;  ///< where instance ids are there
+  std::optional<PoseAccuracy> poses;                 ///< where true poses are there
+};
+
+/// The request that a BOP image stands for. Base is the world where the data set has one, else a
+/// base above the scene whose z points against the camera's.
+/// \param part_ids which parts to look for; where empty, those in the image's ground truth, or the
+/// whole catalogue without one.
+PlanRequest request_for(const BopImage& image, const parts::Catalogue& catalogue,
+                        const std::vector<std::string>& part_ids);
+
+/// Plans one image and compares with what the data set knows of it.
+Result<ImageReport> evaluate_image(const BopImage& image, int scene_id, const PlanRequest& request,
+                                   const parts::Catalogue& catalogue,
+                                   const perception::Parameters& parameters);
+
+}  // namespace graspd::eval

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "graspd/parts/part.hpp"
+
+namespace graspd::eval {
+
+/// Maximum Symmetry-aware Surface Distance, metres (BOP): the least over the part's symmetries of
+/// the largest distance between a surface point in the estimated and in the true pose.
+double mssd_m(const parts::Part& part, const Eigen::Isometry3d& T_camera_part_estimated,
+              const Eigen::Isometry3d& T_camera_part_true);
+
+/// Every T_part_part′ that moves the part onto itself, the identity first; continuous symmetries
+/// in steps that move no point by more than about a hundredth of the diameter.
+std::vector<Eigen::Isometry3d> all_symmetries(const parts::Part& part);
+
+}  // namespace graspd::eval

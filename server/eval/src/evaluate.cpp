@@ -1,0 +1,84 @@
+#include "graspd/eval/evaluate.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "graspd/formats/cell.hpp"
+#include "graspd/perception/planner.hpp"
+#include "graspd/perception/preprocess.hpp"
+#include "graspd/perception/segmentation.hpp"
+
+namespace graspd::eval {
+namespace {
+
+double largest_diameter_m(const PlanRequest& request, const parts::Catalogue& catalogue) {
+  double largest_m = 0;
+  for (const RequestedPart& part : request.parts) {
+    largest_m = std::max(largest_m, catalogue.find(part.id)->diameter_m);
+  }
+  return largest_m;
+}
+
+std::vector<std::string> parts_in(const BopImage& image, const parts::Catalogue& catalogue) {
+  std::vector<std::string> ids;
+  for (const parts::Part& part : catalogue.parts()) {
+    const bool present =
+        image.truth.empty() ||
+        std::any_of(image.truth.begin(), image.truth.end(),
+                    [&](const BopTruth& truth) { return truth.obj_id == part.bop_obj_id; });
+    if (present) ids.push_back(part.id);
+  }
+  return ids;
+}
+
+/// The same stages as the plan's, run once more for their intermediate results.
+SegmentationAccuracy measure_segmentation(const BopImage& image, const PlanRequest& request,
+                                          const parts::Catalogue& catalogue,
+                                          const perception::Parameters& parameters) {
+  const perception::Scene scene = perception::preprocess(
+      image.frame, request, largest_diameter_m(request, catalogue), parameters.preprocess);
+  const auto method = perception::segmentation_method(
+      request.options.segmentation == Segmentation::kServerDefault ? parameters.segmentation.method
+                                                                   : request.options.segmentation);
+  const auto segments = method(scene.cloud, parameters.segmentation);
+  return segmentation_accuracy(scene.cloud, segments, image);
+}
+
+}  // namespace
+
+PlanRequest request_for(const BopImage& image, const parts::Catalogue& catalogue,
+                        const std::vector<std::string>& part_ids) {
+  PlanRequest request;
+  request.T_base_camera = image.T_world_camera.value_or(looking_down());
+  if (image.bin) {
+    request.bin = Bin{request.T_base_camera * image.bin->T_camera_bin, image.bin->inner_size_m, 0};
+  }
+  for (const auto& id : part_ids.empty() ? parts_in(image, catalogue) : part_ids) {
+    request.parts.push_back({id, 0});
+  }
+  return request;
+}
+
+Result<ImageReport> evaluate_image(const BopImage& image, int scene_id, const PlanRequest& request,
+                                   const parts::Catalogue& catalogue,
+                                   const perception::Parameters& parameters) {
+  ImageReport report;
+  report.im_id = image.im_id;
+  const auto start = std::chrono::steady_clock::now();
+  auto answer = perception::plan(image.frame, request, catalogue, parameters);
+  if (!answer) return tl::unexpected(answer.error());
+  report.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.answer = *std::move(answer);
+  for (const Object& object : report.answer.objects) {
+    report.results.push_back({scene_id, image.im_id, catalogue.find(object.part_id)->bop_obj_id,
+                              object.score, request.T_base_camera.inverse() * object.T_base_part,
+                              report.time_s});
+  }
+  if (image.instance) {
+    report.segmentation = measure_segmentation(image, request, catalogue, parameters);
+  }
+  if (!image.truth.empty()) report.poses = pose_accuracy(report.results, image, catalogue);
+  return report;
+}
+
+}  // namespace graspd::eval

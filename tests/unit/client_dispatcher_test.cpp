@@ -1,0 +1,258 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "graspd/client/dispatcher.hpp"
+
+namespace graspd::client {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::HasSubstr;
+
+const TimePoint kStart{seconds(1000)};
+const TimePoint kDeadline = kStart + seconds(10);
+
+RequestId id(std::uint8_t number) {
+  RequestId id{};
+  id[0] = number;
+  return id;
+}
+
+Answer answer(std::uint8_t number, Code code = Code::kOk, std::uint32_t retry_after_ms = 0) {
+  Answer answer;
+  answer.id = id(number);
+  answer.code = code;
+  answer.message = code == Code::kOk ? "" : "because";
+  answer.retry_after_ms = retry_after_ms;
+  return answer;
+}
+
+class DispatcherTest : public ::testing::Test {
+ protected:
+  /// The one attempt that is due now.
+  Dispatcher::Attempt attempt(TimePoint now) {
+    const auto step = dispatcher_.step(now);
+    EXPECT_EQ(step.attempts.size(), 1u);
+    EXPECT_TRUE(step.failed.empty());
+    return step.attempts.empty() ? Dispatcher::Attempt{} : step.attempts[0];
+  }
+  Error failure(TimePoint now) {
+    const auto step = dispatcher_.step(now);
+    EXPECT_TRUE(step.attempts.empty());
+    EXPECT_EQ(step.failed.size(), 1u);
+    return step.failed.empty() ? Error{} : step.failed[0].error;
+  }
+  void expect_nothing(TimePoint now) {
+    const auto step = dispatcher_.step(now);
+    EXPECT_TRUE(step.attempts.empty() && step.failed.empty());
+  }
+
+  DispatchOptions options_;
+  Dispatcher dispatcher_{{"tcp://a:1", "tcp://b:1"}, options_, 1};
+};
+
+TEST_F(DispatcherTest, WaitsForAConnectionThenSaysWhatToCheck) {
+  dispatcher_.add(id(1), kStart, kDeadline);
+  const auto step = dispatcher_.step(kStart);
+  EXPECT_TRUE(step.attempts.empty() && step.failed.empty());
+  EXPECT_EQ(step.wake, kStart + options_.connect_timeout);
+  const Error error = failure(kStart + options_.connect_timeout);
+  EXPECT_EQ(error.code, Code::kUnavailable);
+  EXPECT_THAT(error.message, HasSubstr("tcp://a:1, tcp://b:1"));
+  EXPECT_THAT(error.message, HasSubstr("grasp_server"));
+}
+
+TEST_F(DispatcherTest, SendsAsSoonAsAServerIsThere) {
+  dispatcher_.add(id(1), kStart, kDeadline);
+  expect_nothing(kStart);
+  dispatcher_.connected(1);
+  const auto sent = attempt(kStart + milliseconds(100));
+  EXPECT_EQ(sent.server, 1u);
+  EXPECT_EQ(sent.number, 1u);
+  EXPECT_EQ(sent.budget, milliseconds(9900)) << "nobody else to ask, so all that is left";
+  const auto result = dispatcher_.answered(1, answer(1), kStart + milliseconds(200));
+  ASSERT_TRUE(result);
+  EXPECT_TRUE(*result);
+  EXPECT_FALSE(dispatcher_.answered(1, answer(1), kStart)) << "a second answer is nobody's";
+}
+
+TEST_F(DispatcherTest, PicksTheServerWithFewestCallsInFlight) {
+  dispatcher_.connected(0);
+  dispatcher_.connected(1);
+  std::vector<std::size_t> in_flight(2);
+  for (std::uint8_t call = 1; call <= 8; ++call) {
+    dispatcher_.add(id(call), kStart, kDeadline);
+    ++in_flight[attempt(kStart).server];
+  }
+  EXPECT_EQ(in_flight, (std::vector<std::size_t>{4, 4}));
+  for (const std::uint8_t call : {1, 3, 5}) dispatcher_.answered(0, answer(call), kStart);
+  dispatcher_.add(id(9), kStart, kDeadline);
+  EXPECT_EQ(attempt(kStart).server, 0u);
+}
+
+TEST_F(DispatcherTest, AnAttemptWithoutAnswerGoesToTheOtherServer) {
+  dispatcher_.connected(0);
+  dispatcher_.connected(1);
+  dispatcher_.add(id(1), kStart, kDeadline);
+  const auto first = attempt(kStart);
+  EXPECT_EQ(first.budget, options_.attempt_timeout);
+  expect_nothing(kStart + options_.attempt_timeout - milliseconds(1));
+  const auto second = attempt(kStart + options_.attempt_timeout);
+  EXPECT_NE(second.server, first.server);
+  EXPECT_EQ(second.number, 2u);
+}
+
+TEST_F(DispatcherTest, ALateAnswerIsStillAnAnswerButALateRefusalIsNot) {
+  dispatcher_.connected(0);
+  dispatcher_.connected(1);
+  for (const std::uint8_t call : {1, 2}) dispatcher_.add(id(call), kStart, kDeadline);
+  const auto first = dispatcher_.step(kStart).attempts;
+  const TimePoint later = kStart + options_.attempt_timeout;
+  ASSERT_EQ(dispatcher_.step(later).attempts.size(), 2u);
+  EXPECT_FALSE(dispatcher_.answered(first[0].server, answer(1, Code::kInternal), later));
+  EXPECT_TRUE(dispatcher_.answered(first[1].server, answer(2), later));
+}
+
+TEST_F(DispatcherTest, StopsAfterThreeAttempts) {
+  dispatcher_.connected(0);
+  dispatcher_.connected(1);
+  dispatcher_.add(id(1), kStart, kStart + seconds(100));
+  TimePoint now = kStart;
+  int attempts = 0;
+  Error error;
+  for (int i = 0; i < 1000 && error.message.empty(); ++i, now += milliseconds(100)) {
+    const auto step = dispatcher_.step(now);
+    attempts += static_cast<int>(step.attempts.size());
+    if (!step.failed.empty()) error = step.failed[0].error;
+  }
+  EXPECT_EQ(attempts, 3);
+  EXPECT_EQ(error.code, Code::kDeadlineExceeded);
+  EXPECT_THAT(error.message, HasSubstr("3 attempts"));
+}
+
+TEST_F(DispatcherTest, BusyGoesToTheOtherServerAtOnce) {
+  dispatcher_.connected(0);
+  dispatcher_.connected(1);
+  dispatcher_.add(id(1), kStart, kDeadline);
+  const auto first = attempt(kStart);
+  EXPECT_FALSE(dispatcher_.answered(first.server, answer(1, Code::kBusy, 500), kStart));
+  const auto second = attempt(kStart);
+  EXPECT_NE(second.server, first.server);
+  dispatcher_.add(id(2), kStart, kDeadline);
+  EXPECT_EQ(attempt(kStart).server, second.server) << "the busy one asked to be left alone";
+}
+
+TEST_F(DispatcherTest, TheOnlyServerIsAskedAgainWhenItSaid) {
+  dispatcher_.connected(0);
+  dispatcher_.add(id(1), kStart, kDeadline);
+  attempt(kStart);
+  dispatcher_.answered(0, answer(1, Code::kBusy, 700), kStart);
+  const auto step = dispatcher_.step(kStart);
+  EXPECT_TRUE(step.attempts.empty());
+  EXPECT_EQ(step.wake, kStart + milliseconds(700));
+  EXPECT_EQ(attempt(kStart + milliseconds(700)).number, 2u);
+}
+
+TEST_F(DispatcherTest, BusyForLongerThanTheBudgetFailsAtOnce) {
+  dispatcher_.connected(0);
+  dispatcher_.add(id(1), kStart, kStart + milliseconds(500));
+  attempt(kStart);
+  dispatcher_.answered(0, answer(1, Code::kBusy, 700), kStart);
+  EXPECT_EQ(failure(kStart).code, Code::kBusy);
+}
+
+TEST_F(DispatcherTest, RefusalsThatNoServerWouldTakeBackEndTheCall) {
+  dispatcher_.connected(0);
+  dispatcher_.connected(1);
+  std::uint8_t call = 1;
+  for (const Code code : {Code::kInvalidArgument, Code::kUnknownPart, Code::kSuperseded,
+                          Code::kDeadlineExceeded, Code::kInternal, Code::kRejectedPoison}) {
+    dispatcher_.add(id(call), kStart, kDeadline);
+    const auto sent = attempt(kStart);
+    const auto result = dispatcher_.answered(sent.server, answer(call, code), kStart);
+    ASSERT_TRUE(result) << name_of(code);
+    ASSERT_FALSE(*result);
+    EXPECT_EQ(result->error().code, code);
+    EXPECT_EQ(result->error().message, "because");
+    ++call;
+  }
+}
+
+TEST_F(DispatcherTest, ALostConnectionMovesItsCallsAtOnce) {
+  dispatcher_.connected(0);
+  dispatcher_.connected(1);
+  dispatcher_.add(id(1), kStart, kDeadline);
+  const auto first = attempt(kStart);
+  dispatcher_.disconnected(first.server, kStart + milliseconds(5));
+  EXPECT_NE(attempt(kStart + milliseconds(5)).server, first.server);
+}
+
+TEST_F(DispatcherTest, ALostConnectionToTheOnlyServerNamesIt) {
+  dispatcher_.connected(0);
+  dispatcher_.add(id(1), kStart, kDeadline);
+  attempt(kStart);
+  dispatcher_.disconnected(0, kStart);
+  expect_nothing(kStart);
+  const Error error = failure(kStart + options_.connect_timeout);
+  EXPECT_EQ(error.code, Code::kUnavailable);
+  EXPECT_THAT(error.message, HasSubstr("tcp://a:1"));
+}
+
+TEST_F(DispatcherTest, RetriesAreATenthOfTheCallsInTheLongRun) {
+  dispatcher_.connected(0);
+  dispatcher_.connected(1);
+  TimePoint now = kStart;
+  int attempts = 0;
+  constexpr int kCalls = 1000;
+  for (int call = 0; call < kCalls; ++call) {
+    RequestId number{};
+    number[0] = static_cast<std::uint8_t>(call & 0xff);
+    number[1] = static_cast<std::uint8_t>(call >> 8);
+    dispatcher_.add(number, now, now + seconds(5));
+    // Both servers are draining, always.
+    for (bool over = false; !over;) {
+      const auto step = dispatcher_.step(now);
+      over = !step.failed.empty();
+      for (const auto& sent : step.attempts) {
+        ++attempts;
+        Answer draining = answer(0, Code::kDraining);
+        draining.id = number;
+        dispatcher_.answered(sent.server, draining, now);
+      }
+      now += milliseconds(200);
+    }
+  }
+  EXPECT_GT(attempts, kCalls + kCalls / 20);
+  EXPECT_LT(attempts, kCalls + kCalls / 10 + 20);
+}
+
+TEST_F(DispatcherTest, AnAttemptThatWasNotSentIsNone) {
+  dispatcher_.connected(0);
+  dispatcher_.add(id(1), kStart, kDeadline);
+  attempt(kStart);
+  dispatcher_.not_sent(id(1), kStart);
+  const auto step = dispatcher_.step(kStart);
+  EXPECT_TRUE(step.attempts.empty());
+  EXPECT_EQ(attempt(step.wake).number, 1u);
+}
+
+TEST_F(DispatcherTest, HealthAsksOneServerOnce) {
+  dispatcher_.connected(0);
+  dispatcher_.connected(1);
+  dispatcher_.add(id(1), kStart, kStart + seconds(2), 1);
+  EXPECT_EQ(attempt(kStart).server, 1u);
+  EXPECT_EQ(failure(kStart + seconds(2)).code, Code::kDeadlineExceeded);
+  dispatcher_.disconnected(1, kStart);
+  dispatcher_.add(id(2), kStart, kStart + seconds(2), 1);
+  expect_nothing(kStart);
+  EXPECT_THAT(failure(kStart + options_.connect_timeout).message,
+              ::testing::AllOf(HasSubstr("tcp://b:1"), ::testing::Not(HasSubstr("tcp://a:1"))));
+}
+
+TEST(Dispatcher, NeedsAServer) {
+  EXPECT_THROW(Dispatcher({}, DispatchOptions{}, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace graspd::client

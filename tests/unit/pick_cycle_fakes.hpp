@@ -1,0 +1,133 @@
+#pragma once
+
+#include <algorithm>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "graspd/agent/pick_cycle.hpp"
+
+/// A scripted cell: every port does what the script says and writes down what it was told.
+namespace graspd::agent::fakes {
+
+class FakeClock final : public Clock {
+ public:
+  std::chrono::nanoseconds now() override { return now_; }
+  void sleep_for(std::chrono::nanoseconds duration) override {
+    sleeps.push_back(std::chrono::duration_cast<std::chrono::milliseconds>(duration));
+    now_ += duration;
+  }
+  void advance(std::chrono::nanoseconds duration) { now_ += duration; }
+
+  std::vector<std::chrono::milliseconds> sleeps;
+
+ private:
+  std::chrono::nanoseconds now_{1};
+};
+
+inline DepthFrame frame_of(std::uint16_t depth) {
+  DepthFrame frame;
+  frame.camera = {8, 8, 10, 10, 4, 4, {}};
+  frame.depth.assign(64, depth);
+  return frame;
+}
+
+/// Gives its frames one after the other, then nothing.
+class FakeCamera final : public Camera {
+ public:
+  explicit FakeCamera(FakeClock& clock) : clock_(clock) {}
+  Result<std::optional<DepthFrame>> next() override {
+    using namespace std::chrono_literals;
+    clock_.advance(33ms);
+    if (script.empty()) return std::nullopt;
+    auto frame = std::move(script.front());
+    script.pop_front();
+    return frame;
+  }
+
+  std::deque<Result<std::optional<DepthFrame>>> script;
+
+ private:
+  FakeClock& clock_;
+};
+
+class FakePlanner final : public Planner {
+ public:
+  explicit FakePlanner(FakeClock& clock) : clock_(clock) {}
+  PlanReply plan(const DepthFrame& frame, const PlanRequest& request) override {
+    using namespace std::chrono_literals;
+    clock_.advance(80ms);
+    frames.push_back(frame);
+    requests.push_back(request);
+    auto answer = std::move(script.front());
+    script.pop_front();
+    return {"0123", std::move(answer)};
+  }
+
+  std::deque<Result<PlanAnswer>> script;
+  std::vector<DepthFrame> frames;
+  std::vector<PlanRequest> requests;
+
+ private:
+  FakeClock& clock_;
+};
+
+/// Arm and gripper in one, so that the order of what they are told is seen.
+class FakeRobot final : public Arm, public Gripper {
+ public:
+  explicit FakeRobot(FakeClock& clock) : clock_(clock) {}
+
+  bool reaches(std::span<const Motion> path) override {
+    return std::all_of(path.begin(), path.end(), [&](const Motion& motion) {
+      return motion.T_base_grasp.translation().norm() <= reach_m;
+    });
+  }
+  Result<void> move(const Motion& motion) override {
+    motions.push_back(motion);
+    return told(std::string(name_of(motion.step)));
+  }
+  Result<void> move_out_of_view() override { return told("out_of_view"); }
+  void stop() override { told_all.push_back("stop"); }
+  Result<void> open(double opening_width_m) override {
+    return told(fmt::format("open {:.3f}", opening_width_m));
+  }
+  Result<void> close() override { return told("close"); }
+  Result<bool> holds_something() override {
+    if (const auto ok = told("holds?"); !ok) return tl::unexpected(ok.error());
+    if (holds.empty()) return true;
+    const bool held = holds.front();
+    holds.pop_front();
+    return held;
+  }
+
+  double reach_m = 10;
+  std::deque<bool> holds;  ///< answers of the gripper; true after the last
+  std::string fails_at;    ///< the order that fails, "close" or the like
+  std::vector<std::string> told_all;
+  std::vector<Motion> motions;
+
+ private:
+  Result<void> told(const std::string& order) {
+    using namespace std::chrono_literals;
+    clock_.advance(100ms);
+    told_all.push_back(order);
+    if (order == fails_at) return fail(Code::kInternal, "the {} motor is hot", order);
+    return {};
+  }
+
+  FakeClock& clock_;
+};
+
+class FakeObserver final : public Observer {
+ public:
+  void planned(std::uint64_t frame_n, const DepthFrame&, const PlanRequest&,
+               const PlanAnswer&) override {
+    planned_frames.push_back(frame_n);
+  }
+  void finished(const PickRecord& record) override { records.push_back(record); }
+
+  std::vector<std::uint64_t> planned_frames;
+  std::vector<PickRecord> records;
+};
+
+}  // namespace graspd::agent::fakes

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "graspd/service/worker.hpp"
+
+/// A planner that does what the requested part's name says, for tests and for the worker program
+/// that they start.
+namespace graspd::service {
+
+inline const std::vector<std::string> kScriptedParts{"crash",  "echo",    "hang",  "large",
+                                                     "larger", "largest", "other", "throw"};
+inline const ServerInfo kScriptedServer{"scripted", "catalogue", "config"};
+
+/// About `bytes` of outline on the wire, for what clients ask for on top.
+inline std::vector<float> long_outline(std::size_t bytes) {
+  return std::vector<float>(bytes / sizeof(float), 123.5F);
+}
+
+inline Result<PlanAnswer> scripted_plan(const DepthFrame& frame, const PlanRequest& request) {
+  const std::string& script = request.parts.at(0).id;
+  PlanAnswer answer;
+  if (script == "crash") std::raise(SIGKILL);
+  while (script == "hang") pause();
+  if (script == "throw") throw std::runtime_error("the script says so");
+  // What the request was, so that an answer to another one shows.
+  answer.funnel.pixels_n =
+      static_cast<std::uint32_t>(frame.camera.width_px * frame.camera.height_px);
+  answer.funnel.readings_n = static_cast<std::uint32_t>(
+      std::count_if(frame.depth.begin(), frame.depth.end(), [](auto z) { return z != 0; }));
+  for (const RequestedPart& part : request.parts) {
+    Object object;
+    object.id = static_cast<std::uint32_t>(answer.objects.size());
+    object.part_id = part.id;
+    answer.objects.push_back(object);
+  }
+  answer.timings.push_back({"script", 1});
+  if (script == "large") answer.rejected_grasps.resize(4000);
+  if (script == "larger") answer.objects[0].outline_px = long_outline(300'000);
+  if (script == "largest") answer.reason = std::string(300'000, 'x');
+  return answer;
+}
+
+}  // namespace graspd::service
