@@ -15,8 +15,8 @@ struct CellFrames {
 };
 
 /// The configuration counts before the calibration file, and that before the recorded scene. A
-/// camera of which nobody says where it is looks straight down at a base below it, as in
-/// `looking_down`.
+/// camera of which nobody says where it stands is the base itself, and looks straight down
+/// (`looking_down`).
 /// \returns INVALID_ARGUMENT where a file that is named can't be read.
 Result<CellFrames> find_cell_frames(const CellConfig& config);
 

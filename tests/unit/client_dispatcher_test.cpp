@@ -13,13 +13,13 @@ using ::testing::HasSubstr;
 const TimePoint kStart{seconds(1000)};
 const TimePoint kDeadline = kStart + seconds(10);
 
-RequestId id(std::uint8_t number) {
+RequestId id(int number) {
   RequestId id{};
-  id[0] = number;
+  id[0] = static_cast<std::uint8_t>(number);
   return id;
 }
 
-Answer answer(std::uint8_t number, Code code = Code::kOk, std::uint32_t retry_after_ms = 0) {
+Answer answer(int number, Code code = Code::kOk, std::uint32_t retry_after_ms = 0) {
   Answer answer;
   answer.id = id(number);
   answer.code = code;
@@ -81,14 +81,36 @@ TEST_F(DispatcherTest, PicksTheServerWithFewestCallsInFlight) {
   dispatcher_.connected(0);
   dispatcher_.connected(1);
   std::vector<std::size_t> in_flight(2);
-  for (std::uint8_t call = 1; call <= 8; ++call) {
+  for (int call = 1; call <= 8; ++call) {
     dispatcher_.add(id(call), kStart, kDeadline);
     ++in_flight[attempt(kStart).server];
   }
   EXPECT_EQ(in_flight, (std::vector<std::size_t>{4, 4}));
-  for (const std::uint8_t call : {1, 3, 5}) dispatcher_.answered(0, answer(call), kStart);
+  for (const int call : {1, 3, 5}) dispatcher_.answered(0, answer(call), kStart);
   dispatcher_.add(id(9), kStart, kDeadline);
   EXPECT_EQ(attempt(kStart).server, 0u);
+}
+
+TEST_F(DispatcherTest, SendsInTheOrderOfTheCalls) {
+  dispatcher_.connected(0);
+  std::vector<RequestId> ids;
+  for (const int call : {9, 3, 7, 1}) {
+    ids.push_back(id(call));
+    dispatcher_.add(id(call), kStart, kDeadline);
+  }
+  std::vector<RequestId> sent;
+  for (const auto& attempt : dispatcher_.step(kStart).attempts) sent.push_back(attempt.id);
+  EXPECT_EQ(sent, ids);
+}
+
+TEST_F(DispatcherTest, AServerThatComesLaterTakesOverFromASilentOne) {
+  dispatcher_.connected(0);
+  dispatcher_.add(id(1), kStart, kDeadline);
+  attempt(kStart);
+  const TimePoint later = kStart + 2 * options_.attempt_timeout;
+  expect_nothing(later);
+  dispatcher_.connected(1);
+  EXPECT_EQ(attempt(later).server, 1u);
 }
 
 TEST_F(DispatcherTest, AnAttemptWithoutAnswerGoesToTheOtherServer) {
@@ -106,7 +128,7 @@ TEST_F(DispatcherTest, AnAttemptWithoutAnswerGoesToTheOtherServer) {
 TEST_F(DispatcherTest, ALateAnswerIsStillAnAnswerButALateRefusalIsNot) {
   dispatcher_.connected(0);
   dispatcher_.connected(1);
-  for (const std::uint8_t call : {1, 2}) dispatcher_.add(id(call), kStart, kDeadline);
+  for (const int call : {1, 2}) dispatcher_.add(id(call), kStart, kDeadline);
   const auto first = dispatcher_.step(kStart).attempts;
   const TimePoint later = kStart + options_.attempt_timeout;
   ASSERT_EQ(dispatcher_.step(later).attempts.size(), 2u);
@@ -165,7 +187,7 @@ TEST_F(DispatcherTest, BusyForLongerThanTheBudgetFailsAtOnce) {
 TEST_F(DispatcherTest, RefusalsThatNoServerWouldTakeBackEndTheCall) {
   dispatcher_.connected(0);
   dispatcher_.connected(1);
-  std::uint8_t call = 1;
+  int call = 1;
   for (const Code code : {Code::kInvalidArgument, Code::kUnknownPart, Code::kSuperseded,
                           Code::kDeadlineExceeded, Code::kInternal, Code::kRejectedPoison}) {
     dispatcher_.add(id(call), kStart, kDeadline);

@@ -119,9 +119,17 @@ TEST_P(NoAnswer, IsTriedAgainAndThenGivenUp) {
   EXPECT_THAT(robot.motions, IsEmpty());
 }
 
-TEST_P(NoAnswer, KeepsTheLastPlan) {
+TEST_P(NoAnswer, ToTheLastFrameIsNoGoodEnd) {
+  script({planned(), refusal(GetParam())});
+  EXPECT_EQ(run().back(), "STOPPED");
+  EXPECT_EQ(reason, fmt::format("no more frames after 2, the last without an answer: "
+                                "{}: no plan today",
+                                name_of(GetParam())));
+}
+
+TEST_P(NoAnswer, KeepsTheLastPlanAndIsForgottenWithTheNextAnswer) {
   script({planned(), refusal(GetParam()), planned()});
-  run();
+  EXPECT_EQ(run().back(), "DONE");
   EXPECT_TRUE(planner.requests[2].last_plan);
 }
 

@@ -23,6 +23,12 @@ inline std::vector<float> long_outline(std::size_t bytes) {
   return std::vector<float>(bytes / sizeof(float), 123.5F);
 }
 
+inline std::vector<Grasp> long_rejected_grasps() {
+  Grasp grasp;
+  grasp.pick_point = std::string(100, 'x');
+  return std::vector<Grasp>(4000, grasp);
+}
+
 inline Result<PlanAnswer> scripted_plan(const DepthFrame& frame, const PlanRequest& request) {
   const std::string& script = request.parts.at(0).id;
   PlanAnswer answer;
@@ -41,7 +47,7 @@ inline Result<PlanAnswer> scripted_plan(const DepthFrame& frame, const PlanReque
     answer.objects.push_back(object);
   }
   answer.timings.push_back({"script", 1});
-  if (script == "large") answer.rejected_grasps.resize(4000);
+  if (script == "large") answer.rejected_grasps = long_rejected_grasps();
   if (script == "larger") answer.objects[0].outline_px = long_outline(300'000);
   if (script == "largest") answer.reason = std::string(300'000, 'x');
   return answer;

@@ -35,6 +35,14 @@ class Gate {
     open_ = true;
     changed_.notify_all();
   }
+  void close() {
+    const std::lock_guard lock(mutex_);
+    open_ = false;
+  }
+  int entered_n() {
+    const std::lock_guard lock(mutex_);
+    return entered_n_;
+  }
   void wait_for_entered(int count) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return entered_n_ >= count; });
@@ -58,7 +66,7 @@ inline ServerConfig scripted_config(std::uint32_t workers_n) {
 class RunningFront {
  public:
   RunningFront(const ServerConfig& config, WorkerLauncher& launcher)
-      : stop_fd_(eventfd(0, EFD_CLOEXEC)), front_(options(config), launcher) {
+      : stop_fd_(eventfd(0, EFD_CLOEXEC | EFD_SEMAPHORE)), front_(options(config), launcher) {
     data_endpoint = front_.data_endpoint();
     control_endpoint = front_.control_endpoint();
     thread_ = std::thread([this] {

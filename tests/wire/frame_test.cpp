@@ -166,6 +166,38 @@ bool decodes(FrameDescription description, Bytes payload) {
   return decoded.has_value();
 }
 
+/// Nibbles in reading order, eight to a word, as the bytes that are sent.
+std::vector<std::byte> words(const std::string& nibbles) {
+  std::vector<std::byte> bytes;
+  for (std::size_t word = 0; word < nibbles.size(); word += 8) {
+    for (int byte = 3; byte >= 0; --byte) {
+      const auto digits = nibbles.substr(word + 2 * static_cast<std::size_t>(byte), 2);
+      bytes.push_back(static_cast<std::byte>(std::stoi(digits, nullptr, 16)));
+    }
+  }
+  return bytes;
+}
+
+TEST(Rvl, EveryCheckOfThePayload) {
+  const FrameDescription description =
+      codec::encode_frame(frame_of(8, 8, std::vector<std::uint16_t>(64, 9)), DepthEncoding::kRvl)
+          .description;
+  // No zeros, one reading that is 1 above 0, 63 zeros, no readings, and the rest of the word.
+  EXPECT_TRUE(decodes(description, words("012f7000")));
+  EXPECT_TRUE(decodes(description, words("01effff3f7000000"))) << "a reading of 65535";
+
+  EXPECT_FALSE(decodes(description, words("010f7000"))) << "a reading of 0";
+  EXPECT_FALSE(decodes(description, words("011f7000"))) << "a reading of -1";
+  EXPECT_FALSE(decodes(description, words("01888884f7000000"))) << "a reading of 65536";
+  EXPECT_FALSE(decodes(description, words("012f7001"))) << "something in the rest of the word";
+  EXPECT_FALSE(decodes(description, words("012f700000000000"))) << "a word too many";
+  EXPECT_FALSE(decodes(description, words("01288100"))) << "64 zeros where 63 have room";
+  EXPECT_FALSE(decodes(description, words("09812222"))) << "65 readings";
+  EXPECT_FALSE(decodes(description, words("01200f70"))) << "a run of nothing";
+  EXPECT_FALSE(decodes(description, words("012fffff"))) << "a number that goes on at the end";
+  EXPECT_FALSE(decodes(description, words("01a8888888880f70"))) << "a number of 33 bits";
+}
+
 TEST(Rvl, TruncatedPayloadsAreRefused) {
   const EncodedFrame encoded = codec::encode_frame(some_frames()[3], DepthEncoding::kRvl);
   ASSERT_TRUE(decodes(encoded.description, encoded.payload));

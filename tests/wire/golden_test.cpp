@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 
 #include "graspd/codec/codec.hpp"
 #include "same_message.hpp"
@@ -223,25 +224,34 @@ void expect_golden(const std::string& name, const Message& content, Encode encod
   EXPECT_TRUE(encoded == golden) << path << ": the encoder makes other bytes than it did";
 }
 
+std::map<std::string, Request> requests() {
+  return {{"0.1.0_crop_box_request", crop_box_request()},
+          {"0.1.0_health_request", health_request()},
+          {"0.1.0_plan_request", plan_request()}};
+}
+
+std::map<std::string, Answer> answers() {
+  return {{"0.1.0_health_answer", health_answer()},
+          {"0.1.0_plan_answer", plan_answer()},
+          {"0.1.0_refusal", refusal()}};
+}
+
 TEST(Golden, Requests) {
-  const std::pair<std::string, Request> rows[] = {
-      {"0.1.0_crop_box_request", crop_box_request()},
-      {"0.1.0_health_request", health_request()},
-      {"0.1.0_plan_request", plan_request()},
-  };
-  for (const auto& [name, content] : rows) {
+  for (const auto& [name, content] : requests()) {
     expect_golden(name, content, codec::encode_request, codec::decode_request);
   }
 }
 
 TEST(Golden, Answers) {
-  const std::pair<std::string, Answer> rows[] = {
-      {"0.1.0_health_answer", health_answer()},
-      {"0.1.0_plan_answer", plan_answer()},
-      {"0.1.0_refusal", refusal()},
-  };
-  for (const auto& [name, content] : rows) {
+  for (const auto& [name, content] : answers()) {
     expect_golden(name, content, codec::encode_answer, codec::decode_answer);
+  }
+}
+
+TEST(Golden, EveryFileIsTested) {
+  for (const auto& file : fs::directory_iterator(kGolden)) {
+    const std::string name = file.path().stem();
+    EXPECT_TRUE(requests().contains(name) || answers().contains(name)) << file.path();
   }
 }
 

@@ -11,14 +11,6 @@
 namespace graspd::client {
 namespace {
 
-RequestId new_request_id() {
-  RequestId id;
-  if (getrandom(id.data(), id.size(), 0) != static_cast<ssize_t>(id.size())) {
-    throw std::system_error(errno, std::generic_category(), "getrandom");
-  }
-  return id;
-}
-
 template <class T>
 std::future<Result<T>> ready_future(Error error) {
   std::promise<Result<T>> promise;
@@ -36,6 +28,14 @@ Result<T> body_of(Result<Answer> answer) {
 
 }  // namespace
 
+RequestId new_request_id() {
+  RequestId id;
+  if (getrandom(id.data(), id.size(), 0) != static_cast<ssize_t>(id.size())) {
+    throw std::system_error(errno, std::generic_category(), "getrandom");
+  }
+  return id;
+}
+
 Client::Client(const std::vector<std::string>& endpoints, ClientOptions options)
     : endpoints_(endpoints),
       options_(std::move(options)),
@@ -44,18 +44,19 @@ Client::Client(const std::vector<std::string>& endpoints, ClientOptions options)
 Client::~Client() = default;
 
 Result<PlanAnswer> Client::plan(const DepthFrame& frame, const PlanRequest& request,
-                                std::chrono::milliseconds budget) {
-  return submit(frame, request, budget).get();
+                                std::chrono::milliseconds budget, const RequestId& id) {
+  return submit(frame, request, budget, id).get();
 }
 
 std::future<Result<PlanAnswer>> Client::submit(const DepthFrame& frame, const PlanRequest& request,
-                                               std::chrono::milliseconds budget) {
+                                               std::chrono::milliseconds budget,
+                                               const RequestId& id) {
   if (auto ok = validate(frame); !ok) return ready_future<PlanAnswer>(ok.error());
   if (auto ok = validate(request); !ok) return ready_future<PlanAnswer>(ok.error());
   codec::EncodedFrame encoded = codec::encode_frame(frame, options_.encoding);
 
   Loop::Call call;
-  call.request.id = new_request_id();
+  call.request.id = id;
   call.request.cell = options_.cell;
   call.request.call = PlanCall{encoded.description, request};
   call.payload = std::make_shared<const std::vector<std::byte>>(std::move(encoded.payload));

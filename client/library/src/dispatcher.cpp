@@ -31,13 +31,13 @@ Dispatcher::Dispatcher(std::vector<std::string> endpoints, DispatchOptions optio
 void Dispatcher::add(const RequestId& id, TimePoint now, TimePoint deadline,
                      std::optional<std::size_t> only) {
   Call call;
-  call.started = now;
+  call.id = id;
   call.deadline = deadline;
   call.only = only;
   call.not_before = now;
   call.connect_until = now + options_.connect_timeout;
   call.tried.resize(servers_.size());
-  calls_[id] = std::move(call);
+  calls_.push_back(std::move(call));
   retry_tokens_ = std::min(kRetryTokens, retry_tokens_ + kRetryTokensPerCall);
 }
 
@@ -45,7 +45,7 @@ void Dispatcher::connected(std::size_t server) { servers_[server].connected = tr
 
 void Dispatcher::disconnected(std::size_t server, TimePoint now) {
   servers_[server].connected = false;
-  for (auto& [id, call] : calls_) {
+  for (Call& call : calls_) {
     if (call.server != server) continue;
     land(call);
     call.connect_until = now + options_.connect_timeout;
@@ -59,9 +59,9 @@ void Dispatcher::disconnected(std::size_t server, TimePoint now) {
 
 std::optional<Result<Answer>> Dispatcher::answered(std::size_t server, Answer answer,
                                                    TimePoint now) {
-  const auto found = calls_.find(answer.id);
+  const auto found = find(answer.id);
   if (found == calls_.end()) return std::nullopt;
-  Call& call = found->second;
+  Call& call = *found;
   const bool current = call.server == server;
   // An attempt that was given up may still bring the answer, but no longer a refusal.
   if (!current && answer.code != Code::kOk) return std::nullopt;
@@ -80,7 +80,7 @@ std::optional<Result<Answer>> Dispatcher::answered(std::size_t server, Answer an
 }
 
 void Dispatcher::not_sent(const RequestId& id, TimePoint now) {
-  Call& call = calls_.at(id);
+  Call& call = *find(id);
   servers_[*call.server].hold_until = now + kFullSocketHold;
   land(call);
   --call.attempts_n;
@@ -89,22 +89,27 @@ void Dispatcher::not_sent(const RequestId& id, TimePoint now) {
 Dispatcher::Step Dispatcher::step(TimePoint now) {
   Step step;
   for (auto it = calls_.begin(); it != calls_.end();) {
-    auto& [id, call] = *it;
+    Call& call = *it;
     if (std::optional<Error> error = verdict(call, now)) {
       land(call);
-      step.failed.push_back({id, std::move(*error)});
+      step.failed.push_back({call.id, std::move(*error)});
       it = calls_.erase(it);
       continue;
     }
     if (!call.server && now >= call.not_before) {
       if (const auto server = choose(call, now)) {
-        step.attempts.push_back(launch(id, call, *server, now));
+        step.attempts.push_back(launch(call, *server, now));
       }
     }
     step.wake = std::min(step.wake, wake_of(call, now));
     ++it;
   }
   return step;
+}
+
+std::list<Dispatcher::Call>::iterator Dispatcher::find(const RequestId& id) {
+  return std::find_if(calls_.begin(), calls_.end(),
+                      [&](const Call& call) { return call.id == id; });
 }
 
 /// Ends the attempt in flight, if there is one.
@@ -131,7 +136,7 @@ void Dispatcher::retry_later(Call& call, TimePoint now, Error why) {
 
 /// Whether the call has failed for good. Gives up an attempt that took too long.
 std::optional<Error> Dispatcher::verdict(Call& call, TimePoint now) {
-  if (call.server && now >= call.attempt_deadline) {
+  if (call.server && now >= end_of_attempt(call)) {
     const std::string& endpoint = servers_[*call.server].endpoint;
     land(call);
     retry_later(
@@ -172,19 +177,25 @@ std::optional<std::size_t> Dispatcher::choose(const Call& call, TimePoint now) c
   return best;
 }
 
-Dispatcher::Attempt Dispatcher::launch(const RequestId& id, Call& call, std::size_t server,
-                                       TimePoint now) {
+Dispatcher::Attempt Dispatcher::launch(Call& call, std::size_t server, TimePoint now) {
   if (call.attempts_n > 0) retry_tokens_ -= 1;
-  const bool others = !call.only && std::count_if(servers_.begin(), servers_.end(),
-                                                  [](const Server& s) { return s.connected; }) > 1;
-  call.attempt_deadline =
-      others ? std::min(call.deadline, now + options_.attempt_timeout) : call.deadline;
+  call.sent = now;
   call.server = server;
   call.tried[server] = true;
   ++call.attempts_n;
   ++servers_[server].in_flight_n;
-  return {id, server, call.attempts_n,
-          std::chrono::ceil<milliseconds>(call.attempt_deadline - now)};
+  return {call.id, server, call.attempts_n,
+          std::chrono::ceil<milliseconds>(end_of_attempt(call) - now)};
+}
+
+/// When the attempt in flight is given up: later where there is nobody else to ask.
+TimePoint Dispatcher::end_of_attempt(const Call& call) const {
+  for (std::size_t index = 0; index < servers_.size(); ++index) {
+    if (index != *call.server && servers_[index].connected && may_use(call, index)) {
+      return std::min(call.deadline, call.sent + options_.attempt_timeout);
+    }
+  }
+  return call.deadline;
 }
 
 bool Dispatcher::any_connected(const Call& call) const {
@@ -199,7 +210,7 @@ bool Dispatcher::may_use(const Call& call, std::size_t server) const {
 }
 
 TimePoint Dispatcher::wake_of(const Call& call, TimePoint now) const {
-  if (call.server) return call.attempt_deadline;
+  if (call.server) return end_of_attempt(call);
   if (!any_connected(call)) return std::min(call.connect_until, call.deadline);
   TimePoint held = TimePoint::max();
   for (std::size_t index = 0; index < servers_.size(); ++index) {

@@ -104,8 +104,9 @@ Event PickCycle::acquire() {
   }();
   if (!frame) return fault(frame.error(), "camera");
   if (!*frame) {
-    reason_ = fmt::format("no more frames after {}", frames_n_);
-    return Event::kNoMoreFrames;
+    const std::string last = unanswered_ ? ", the last without an answer: " + reason_ : "";
+    reason_ = fmt::format("no more frames after {}{}", frames_n_, last);
+    return unanswered_ ? Event::kGivenUp : Event::kNoMoreFrames;
   }
   frame_ = *std::move(*frame);
   record_.emplace();
@@ -130,9 +131,12 @@ Event PickCycle::plan() {
   if (!reply.answer) {
     const Error& error = reply.answer.error();
     record_->code = error.code;
-    record_->message = reason_ = fmt::format("{}: {}", name_of(error.code), error.message);
+    record_->message = error.message;
+    reason_ = fmt::format("{}: {}", name_of(error.code), error.message);
+    unanswered_ = true;
     return is_worth_retrying(error.code) ? Event::kNoAnswer : Event::kRefused;
   }
+  unanswered_ = false;
   answer_ = *std::move(reply.answer);
   observer_.planned(record_->frame_n, frame_, request, answer_);
   return answered();

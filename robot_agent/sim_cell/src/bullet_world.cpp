@@ -59,6 +59,9 @@ BulletWorld::BulletWorld(const Eigen::Vector3d& bin_inner_size_m, double frictio
   world_.setGravity(to_bullet({0, 0, -kGravity_m_s2}));
   world_.getSolverInfo().m_numIterations = kSolverIterations;
   if(getenv("IT"))world_.getSolverInfo().m_numIterations=atoi(getenv("IT"));
+  if(getenv("SI"))world_.getSolverInfo().m_splitImpulsePenetrationThreshold=btScalar(-atof(getenv("SI")));
+  if(getenv("SLOP"))world_.getSolverInfo().m_linearSlop=btScalar(atof(getenv("SLOP")));
+  if(getenv("WS"))world_.getSolverInfo().m_warmstartingFactor=btScalar(atof(getenv("WS")));
   if(getenv("F2"))world_.getSolverInfo().m_solverMode|=SOLVER_USE_2_FRICTION_DIRECTIONS;
   const Eigen::Vector3d& size = bin_inner_size_m;
   add_wall({0, 0, -kWall_m / 2}, {kTable_m, kTable_m, kWall_m});

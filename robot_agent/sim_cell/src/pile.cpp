@@ -11,9 +11,10 @@
 namespace graspd::sim_cell {
 namespace {
 
-/// Rattling of many-cornered hulls dies slowly: after this time the air thickens.
-constexpr double kCalmAfter_s = 1.5;
-constexpr double kCalmDamping = 0.9;
+/// Many-cornered hulls rattle on and on: while a pile settles, the air thickens. The share of its
+/// speed that a part keeps over a second falls by a factor of ten in each such time.
+constexpr double kThickening_s = 0.4;
+constexpr double kThickest = 5;
 constexpr double kAirDamping = 0.05;
 constexpr double kDropGap_m = 0.005;
 
@@ -50,11 +51,11 @@ class Drop {
   /// \returns whether all parts lay still for long enough.
   bool settle() {
     const double end_s = pile_.simulated_s + options_.settle_within_s;
-    const double calm_s = pile_.simulated_s + kCalmAfter_s;
+    const double start_s = pile_.simulated_s;
     double still_s = 0;
-    set_damping(kAirDamping);
     while (pile_.simulated_s < end_s && still_s < options_.still_for_s) {
-      if (pile_.simulated_s > calm_s) set_damping(kCalmDamping);
+      const double tens = (pile_.simulated_s - start_s) / kThickening_s;
+      set_damping(std::max(kAirDamping, 1 - std::pow(0.1, std::min(tens, kThickest))));
       step();
       still_s = fastest_m_s() < options_.still_speed_m_s ? still_s + options_.step_s : 0;
     }

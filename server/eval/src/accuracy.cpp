@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kMinVisible = 0.5;
 constexpr double kMinIou = 0.5;
-constexpr double kMergedShare = 0.2;
+constexpr double kMergedShare = 0.2;  // of an object, for a segment to count as holding it
+constexpr double kPieceShare = 0.1;   // of an object, for a segment to count as a piece of it
 constexpr double kMaxMssdShare = 0.1;
 constexpr int kNoSegment = -1;
 
@@ -84,7 +85,7 @@ SegmentationAccuracy segmentation_accuracy(const perception::Cloud& cloud,
       const auto segment_size = static_cast<int>(segments[key.second].size());
       const double iou = double(count) / (points_of[id] + segment_size - count);
       found |= iou >= kMinIou;
-      segments_inside += 2 * count > segment_size;
+      segments_inside += 2 * count > segment_size && count >= kPieceShare * points_of[id];
       if (count >= kMergedShare * points_of[id]) ++objects_in_segment[key.second];
     }
     accuracy.found_n += found;

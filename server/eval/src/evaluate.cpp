@@ -11,14 +11,6 @@
 namespace graspd::eval {
 namespace {
 
-double largest_diameter_m(const PlanRequest& request, const parts::Catalogue& catalogue) {
-  double largest_m = 0;
-  for (const RequestedPart& part : request.parts) {
-    largest_m = std::max(largest_m, catalogue.find(part.id)->diameter_m);
-  }
-  return largest_m;
-}
-
 std::vector<std::string> parts_in(const BopImage& image, const parts::Catalogue& catalogue) {
   std::vector<std::string> ids;
   for (const parts::Part& part : catalogue.parts()) {
@@ -35,12 +27,16 @@ std::vector<std::string> parts_in(const BopImage& image, const parts::Catalogue&
 SegmentationAccuracy measure_segmentation(const BopImage& image, const PlanRequest& request,
                                           const parts::Catalogue& catalogue,
                                           const perception::Parameters& parameters) {
-  const perception::Scene scene = perception::preprocess(
-      image.frame, request, largest_diameter_m(request, catalogue), parameters.preprocess);
-  const auto method = perception::segmentation_method(
-      request.options.segmentation == Segmentation::kServerDefault ? parameters.segmentation.method
-                                                                   : request.options.segmentation);
-  const auto segments = method(scene.cloud, parameters.segmentation);
+  std::vector<const parts::Part*> parts;
+  double diameter_m = 0;
+  for (const RequestedPart& requested : request.parts) {
+    parts.push_back(catalogue.find(requested.id));
+    diameter_m = std::max(diameter_m, parts.back()->diameter_m);
+  }
+  const perception::Scene scene =
+      perception::preprocess(image.frame, request, diameter_m, parameters.preprocess);
+  const auto segments =
+      perception::segment(scene.cloud, parts, parameters.preprocess, parameters.segmentation);
   return segmentation_accuracy(scene.cloud, segments, image);
 }
 

@@ -84,21 +84,6 @@ double largest_diameter_m(const PartList& parts) {
   return largest_m;
 }
 
-/// How many points of the voxel grid a part shows: half of its surface at the most.
-std::size_t expected_points(const parts::Part& part, const Parameters& parameters) {
-  const double voxel_area_m2 = parameters.preprocess.voxel_m * parameters.preprocess.voxel_m;
-  return static_cast<std::size_t>(part.surface_area_m2 / 2 / voxel_area_m2);
-}
-
-std::size_t min_segment_points(const PartList& parts, const Parameters& parameters) {
-  std::size_t fewest = std::numeric_limits<std::size_t>::max();
-  for (const parts::Part* part : parts)
-    fewest = std::min(fewest, expected_points(*part, parameters));
-  return std::max<std::size_t>(3,
-                               static_cast<std::size_t>(static_cast<double>(fewest) *
-                                                        parameters.segmentation.min_segment_share));
-}
-
 std::vector<Eigen::Vector3d> centroids_in_base(const Cloud& cloud,
                                                const std::vector<Indices>& segments,
                                                const Eigen::Isometry3d& T_base_camera) {
@@ -190,7 +175,8 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
     to_ids(object.grs.neighbour_ids);
     to_ids(object.grs.overlap_ids);
 
-    const PlannedGrasp planned = plan_grasp(i, placed, bin_size_m, request.gripper, parameters.grasp);
+    const PlannedGrasp planned =
+        plan_grasp(i, placed, bin_size_m, request.gripper, parameters.grasp);
     Grasp grasp;
     grasp.object_id = object.id;
     grasp.pick_point = "principal_axis";
@@ -240,11 +226,8 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
     return answer;
   }
 
-  std::vector<Indices> segments =
-      segmentation_method(parameters.segmentation.method)(scene.cloud, parameters.segmentation);
-  std::erase_if(segments, [smallest = min_segment_points(*parts, parameters)](const auto& segment) {
-    return segment.size() < smallest;
-  });
+  const std::vector<Indices> segments =
+      segment(scene.cloud, *parts, parameters.preprocess, parameters.segmentation);
   answer.funnel.segments_n = static_cast<std::uint32_t>(segments.size());
   clock.finished("segmentation");
   if (segments.empty()) {

@@ -4,6 +4,8 @@
 #include <pcl/segmentation/extract_clusters.h>
 #include <pcl/segmentation/region_growing.h>
 
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "graspd/perception/dbscan.hpp"
@@ -38,6 +40,11 @@ Neighbourhoods kdtree_neighbourhoods(const Cloud& cloud, double radius_m) {
     result.offsets.push_back(static_cast<std::uint32_t>(result.indices.size()));
   }
   return result;
+}
+
+/// One point for each voxel of the half of its surface that a part shows at the most.
+double points_shown(const parts::Part& part, const PreprocessParameters& preprocess) {
+  return part.surface_area_m2 / 2 / (preprocess.voxel_m * preprocess.voxel_m);
 }
 
 }  // namespace
@@ -101,6 +108,18 @@ SegmentationMethod segmentation_method(Segmentation name) {
       break;
   }
   throw std::invalid_argument("segmentation_method: no method is named");
+}
+
+std::vector<Indices> segment(const Cloud& cloud, std::span<const parts::Part* const> parts,
+                             const PreprocessParameters& preprocess,
+                             const SegmentationParameters& parameters) {
+  double fewest = std::numeric_limits<double>::max();
+  for (const parts::Part* part : parts) fewest = std::min(fewest, points_shown(*part, preprocess));
+  std::vector<Indices> segments = segmentation_method(parameters.method)(cloud, parameters);
+  std::erase_if(segments, [&](const Indices& one) {
+    return static_cast<double>(one.size()) < fewest * parameters.min_segment_share;
+  });
+  return segments;
 }
 
 }  // namespace graspd::perception

@@ -138,7 +138,9 @@ void Front::Impl::say_goodbye() {
     frames.push_back(frame_of(verb::kStop));
     (void)send(workers_, std::move(frames));
   }
-  const TimePoint until = Clock::now() + kWorkersGoodbye;
+  // A worker that still computes would not hear it; it is ended with its handle.
+  const bool all_hear = supervisor_.busy_n() == 0;
+  const TimePoint until = Clock::now() + (all_hear ? kWorkersGoodbye : milliseconds(0));
   for (const int fd : supervisor_.exit_fds()) {
     std::vector<zmq::pollitem_t> items{{nullptr, fd, ZMQ_POLLIN, 0}};
     poll(items,

@@ -8,7 +8,7 @@ namespace {
 
 std::string hex(const RequestId& id) { return fmt::format("{:02x}", fmt::join(id, "")); }
 
-// Names come from clients: one request, one line of the log.
+// One request, one line of the log, whatever an exception says.
 std::string printable(std::string_view text) {
   std::string line(text);
   for (char& c : line) {
@@ -229,9 +229,8 @@ void Front::Impl::log_request(const PlanJob& plan, std::string_view code, std::s
   const bool ok = code == name_of(Code::kOk);
   log(LogLevel::kInfo,
       "id={} attempt={} cell={} parts={} code={} {}{}{} queue_ms={:.1f} total_ms={:.1f}",
-      hex(plan.id), plan.attempt, printable(plan.cell), printable(plan.parts), code, ok ? "" : "\"",
-      printable(detail), ok ? "" : "\"", ms_between(arrived, started),
-      ms_between(arrived, Clock::now()));
+      hex(plan.id), plan.attempt, plan.cell, plan.parts, code, ok ? "" : "\"", printable(detail),
+      ok ? "" : "\"", ms_between(arrived, started), ms_between(arrived, Clock::now()));
 }
 
 }  // namespace graspd::service

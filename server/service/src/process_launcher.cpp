@@ -62,14 +62,14 @@ class WorkerProcess : public WorkerHandle {
 };
 
 // Between fork and exec only calls that are safe in a signal handler.
-[[noreturn]] void become_worker(char* const* arguments, pid_t parent) {
+[[noreturn]] void become_worker(const char* program, char* const* arguments, pid_t parent) {
   // Dies with its parent; where that has happened already, nobody will send the signal.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  execv(arguments[0], arguments);
+  execv(program, arguments);
   constexpr std::string_view kMessage = "grasp_server: cannot execute the worker program\n";
   (void)!write(STDERR_FILENO, kMessage.data(), kMessage.size());
   _exit(127);
@@ -79,7 +79,7 @@ class WorkerProcess : public WorkerHandle {
 
 std::unique_ptr<WorkerHandle> ProcessLauncher::launch(const std::string& endpoint,
                                                       const std::string& identity) {
-  std::vector<std::string> words = command_;
+  std::vector<std::string> words = words_;
   words.insert(words.end(), {"--endpoint", endpoint, "--identity", identity});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -88,7 +88,7 @@ std::unique_ptr<WorkerHandle> ProcessLauncher::launch(const std::string& endpoin
   const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid < 0) throw std::system_error(errno, std::generic_category(), "fork of a worker");
-  if (pid == 0) become_worker(arguments.data(), parent);
+  if (pid == 0) become_worker(program_.c_str(), arguments.data(), parent);
   return std::make_unique<WorkerProcess>(pid);
 }
 

@@ -25,6 +25,9 @@ struct ServerHealth {
   Result<HealthAnswer> health;
 };
 
+/// 16 random bytes.
+RequestId new_request_id();
+
 /// Asks grasp servers for plans. Servers keep nothing between requests, so any of them will do: the
 /// client knows all addresses and balances itself, with no broker between.
 ///
@@ -42,11 +45,13 @@ class Client {
   /// Waits for the answer, `budget` at most.
   /// \returns the server's refusals by their codes, UNAVAILABLE where no server is there, and
   /// INVALID_ARGUMENT for what need not be sent to know that it is wrong.
+  /// \param id to find the request by in the server's log; never the same for two requests.
   Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
-                          std::chrono::milliseconds budget);
+                          std::chrono::milliseconds budget, const RequestId& id = new_request_id());
   /// The same without waiting. Frame and request are copied.
   std::future<Result<PlanAnswer>> submit(const DepthFrame& frame, const PlanRequest& request,
-                                         std::chrono::milliseconds budget);
+                                         std::chrono::milliseconds budget,
+                                         const RequestId& id = new_request_id());
 
   /// Asks every server once.
   std::vector<ServerHealth> health(std::chrono::milliseconds budget = std::chrono::seconds(2));

@@ -2,7 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
-#include <map>
+#include <list>
 #include <optional>
 #include <random>
 #include <string>
@@ -25,7 +25,7 @@ struct DispatchOptions {
 };
 
 /// Which server is asked next, and when a call has failed: the decisions of the Freelance pattern,
-/// without its sockets. Servers are named by their index.
+/// without its sockets. Servers are named by their index. Calls are sent in the order they came.
 ///
 /// A call goes to the connected server with the fewest calls in flight. Where an attempt gets no
 /// answer, is shed (BUSY, DRAINING) or loses its connection, the next one goes to another server
@@ -71,23 +71,25 @@ class Dispatcher {
     TimePoint hold_until;  ///< it asked to be left alone
   };
   struct Call {
-    TimePoint started;
+    RequestId id{};
     TimePoint deadline;
     std::optional<std::size_t> only;
     std::uint32_t attempts_n = 0;
     std::optional<std::size_t> server;  ///< while in flight
-    TimePoint attempt_deadline;
+    TimePoint sent;                     ///< the attempt in flight
     TimePoint not_before;
     TimePoint connect_until;
     std::vector<bool> tried;
     std::optional<Error> last_error;
   };
 
+  std::list<Call>::iterator find(const RequestId& id);
   void land(Call& call);
   void retry_later(Call& call, TimePoint now, Error why);
   std::optional<Error> verdict(Call& call, TimePoint now);
   std::optional<std::size_t> choose(const Call& call, TimePoint now) const;
-  Attempt launch(const RequestId& id, Call& call, std::size_t server, TimePoint now);
+  Attempt launch(Call& call, std::size_t server, TimePoint now);
+  TimePoint end_of_attempt(const Call& call) const;
   bool any_connected(const Call& call) const;
   bool may_use(const Call& call, std::size_t server) const;
   TimePoint wake_of(const Call& call, TimePoint now) const;
@@ -95,7 +97,7 @@ class Dispatcher {
 
   DispatchOptions options_;
   std::vector<Server> servers_;
-  std::map<RequestId, Call> calls_;
+  std::list<Call> calls_;
   double retry_tokens_;
   std::mt19937_64 random_;
 };

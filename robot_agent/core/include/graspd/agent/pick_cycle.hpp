@@ -31,7 +31,7 @@ enum class Event {
   kPlaced,         ///< the part is put down
   kDropped,        ///< the gripper is empty after the transfer
   kRested,         ///< the pause is over
-  kGivenUp,        ///< too many failures in a row
+  kGivenUp,        ///< too many failures in a row, or a recording that ends without an answer
   kFault,          ///< camera, arm or gripper reported an error
 };
 
@@ -51,6 +51,7 @@ inline constexpr Transition kTransitions[] = {
     {State::kAcquire, Event::kFrame, State::kPlan},
     {State::kAcquire, Event::kBadFrame, State::kPause},
     {State::kAcquire, Event::kNoMoreFrames, State::kDone},
+    {State::kAcquire, Event::kGivenUp, State::kStopped},
     {State::kAcquire, Event::kFault, State::kStopped},
 
     {State::kPlan, Event::kGrasp, State::kPick},
@@ -129,7 +130,8 @@ class PickCycle {
 
   State state_ = State::kClearView;
   bool finishing_ = false;
-  int failures_n_ = 0;  ///< in a row
+  int failures_n_ = 0;       ///< in a row
+  bool unanswered_ = false;  ///< the last request was
   std::uint64_t frames_n_ = 0;
   std::uint64_t picks_n_ = 0;
   std::string reason_;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "graspd/parts/part.hpp"
 #include "graspd/perception/cloud.hpp"
 #include "graspd/perception/parameters.hpp"
 
@@ -21,5 +23,11 @@ std::vector<Indices> region_growing(const Cloud& cloud, const SegmentationParame
 
 /// \throws std::invalid_argument for kServerDefault, which the caller resolves.
 SegmentationMethod segmentation_method(Segmentation name);
+
+/// The named method, without the segments that are too small to be one of the parts: those with
+/// less than `min_segment_share` of the points that the smallest part shows when nothing hides it.
+std::vector<Indices> segment(const Cloud& cloud, std::span<const parts::Part* const> parts,
+                             const PreprocessParameters& preprocess,
+                             const SegmentationParameters& parameters);
 
 }  // namespace graspd::perception

@@ -31,16 +31,19 @@ class WorkerLauncher {
                                                const std::string& identity) = 0;
 };
 
-/// Starts `command… --endpoint E --identity I` as a process that dies with the thread that launched
-/// it. Fork and exec at once: a process forked from one with threads may do little else.
+/// Starts `program`, with `words… --endpoint E --identity I` as its arguments, as a process that
+/// dies with the thread that launched it. The first word is the program's name, as always. Fork and
+/// exec at once: a process forked from one with threads may do little else.
 class ProcessLauncher : public WorkerLauncher {
  public:
-  explicit ProcessLauncher(std::vector<std::string> command) : command_(std::move(command)) {}
+  ProcessLauncher(std::string program, std::vector<std::string> words)
+      : program_(std::move(program)), words_(std::move(words)) {}
   std::unique_ptr<WorkerHandle> launch(const std::string& endpoint,
                                        const std::string& identity) override;
 
  private:
-  std::vector<std::string> command_;
+  std::string program_;
+  std::vector<std::string> words_;
 };
 
 /// Runs workers as threads of this process (`workers_n: 0`), where a debugger sees everything. They

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace graspd::program {
+
+/// Adds `plan`: asks for the grasps of one depth frame.
+void add_plan_command(CLI::App& app);
+/// Adds `health`: asks servers how they are.
+void add_health_command(CLI::App& app);
+
+}  // namespace graspd::program

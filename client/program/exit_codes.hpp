@@ -1,0 +1,40 @@
+#pragma once
+
+#include "graspd/types/answer.hpp"
+#include "graspd/types/result.hpp"
+
+/// What grasp's exit codes say; `grasp --help` documents them.
+namespace graspd::program {
+
+inline constexpr int kExitServerDefect = 1;
+inline constexpr int kExitWrongInput = 2;
+inline constexpr int kExitTryAgain = 3;
+inline constexpr int kExitNothingToGrasp = 4;
+
+inline int exit_code(Code code) {
+  switch (code) {
+    case Code::kOk:
+      return 0;
+    case Code::kInvalidArgument:
+    case Code::kUnsupportedVersion:
+    case Code::kUnauthenticated:
+    case Code::kUnknownPart:
+      return kExitWrongInput;
+    case Code::kBusy:
+    case Code::kSuperseded:
+    case Code::kDeadlineExceeded:
+    case Code::kDraining:
+    case Code::kUnavailable:
+      return kExitTryAgain;
+    case Code::kRejectedPoison:
+    case Code::kInternal:
+      break;
+  }
+  return kExitServerDefect;
+}
+
+inline int exit_code(Outcome outcome) {
+  return outcome == Outcome::kPlanned || outcome == Outcome::kUnchanged ? 0 : kExitNothingToGrasp;
+}
+
+}  // namespace graspd::program

@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "commands.hpp"
+#include "exit_codes.hpp"
+#include "graspd/client/client.hpp"
+#include "graspd/codec/codec.hpp"
+#include "graspd/formats/cell.hpp"
+#include "graspd/formats/depth_image.hpp"
+#include "graspd/overlay/overlay.hpp"
+#include "plan_report.hpp"
+
+namespace graspd::program {
+namespace {
+
+struct PlanArguments {
+  std::vector<std::string> servers{"tcp://127.0.0.1:5555"};
+  std::string depth;
+  std::string camera;
+  std::string cell;
+  std::string cell_name = "grasp";
+  std::vector<std::string> parts;
+  std::string overlay;
+  bool json = false;
+  bool explain = false;
+  std::string segmentation;
+  std::string registration;
+  std::string order;
+  std::string p_system;
+  std::string strategy;
+  std::vector<double> strategy_vector{0, 0, 0};
+  std::uint32_t max_grasps_n = 0;
+  std::string encoding = std::string(name_of(DepthEncoding::kRaw));
+  int budget_ms = 10'000;
+};
+
+struct Question {
+  DepthFrame frame;
+  PlanRequest request;
+};
+
+/// Nothing said leaves the server's default.
+template <class E>
+E choice(const std::string& name) {
+  return parse_enum<E>(name).value_or(E::kServerDefault);
+}
+
+Result<Question> read_question(const PlanArguments& arguments) {
+  const auto calibration = read_camera(arguments.camera);
+  if (!calibration) return tl::unexpected(calibration.error());
+  auto image = read_png16(arguments.depth);
+  if (!image) return tl::unexpected(image.error());
+  const CameraIntrinsics& camera = calibration->camera;
+  if (image->width_px != camera.width_px || image->height_px != camera.height_px) {
+    return invalid("{} has {} × {} pixels, but {} describes a camera of {} × {}", arguments.depth,
+                   image->width_px, image->height_px, arguments.camera, camera.width_px,
+                   camera.height_px);
+  }
+  Question question;
+  question.frame = {camera, calibration->depth_scale_m, std::move(image->values)};
+  PlanRequest& request = question.request;
+  request.T_base_camera = calibration->T_base_camera;
+  if (!arguments.cell.empty()) {
+    const auto cell = read_cell(arguments.cell);
+    if (!cell) return tl::unexpected(cell.error());
+    request.bin = cell->bin;
+    request.gripper = cell->gripper;
+  }
+  for (const std::string& part : arguments.parts) request.parts.push_back({part, 0});
+  request.options.segmentation = choice<Segmentation>(arguments.segmentation);
+  request.options.registration = choice<Registration>(arguments.registration);
+  request.options.order = choice<GraspOrder>(arguments.order);
+  request.options.p_system = choice<PSystem>(arguments.p_system);
+  request.options.strategy = choice<Strategy>(arguments.strategy);
+  request.options.strategy_vector_base_m = Eigen::Vector3d(arguments.strategy_vector.data());
+  request.options.max_grasps_n = arguments.max_grasps_n;
+  request.options.explain_rejected = arguments.explain;
+  request.options.outlines = !arguments.overlay.empty();
+  return question;
+}
+
+Result<int> plan(const PlanArguments& arguments) {
+  const auto question = read_question(arguments);
+  if (!question) return tl::unexpected(question.error());
+  client::ClientOptions options;
+  options.cell = arguments.cell_name;
+  options.encoding = parse_enum<DepthEncoding>(arguments.encoding).value();
+  client::Client client(arguments.servers, options);
+
+  const auto start = std::chrono::steady_clock::now();
+  const auto answer = client.plan(question->frame, question->request,
+                                  std::chrono::milliseconds(arguments.budget_ms));
+  const auto round_trip = std::chrono::steady_clock::now() - start;
+  if (!answer) return tl::unexpected(answer.error());
+
+  if (arguments.json) {
+    fmt::print("{}\n", codec::to_json(*answer, true));
+  } else {
+    fmt::print("{}", plan_report(*answer, round_trip));
+  }
+  if (!arguments.overlay.empty()) {
+    const overlay::RgbImage picture = overlay::draw(question->frame, question->request, *answer);
+    if (auto ok = overlay::write_png(arguments.overlay, picture); !ok) {
+      return tl::unexpected(ok.error());
+    }
+    if (!arguments.json) fmt::print("overlay   {}\n", arguments.overlay);
+  }
+  return exit_code(answer->outcome);
+}
+
+template <class E>
+CLI::Option* add_choice(CLI::App& command, const std::string& flag, std::string& value) {
+  return command.add_option(flag, value, names_of<E>())
+      ->check([](const std::string& name) {
+        return parse_enum<E>(name) ? std::string() : "known: " + names_of<E>();
+      })
+      ->type_name("NAME");
+}
+
+void add_options(CLI::App& command, PlanArguments& arguments) {
+  command.add_option("--server", arguments.servers, "endpoint; say it once per server")
+      ->type_name("tcp://HOST:PORT")
+      ->capture_default_str();
+  command.add_option("--depth", arguments.depth, "depth image, 16 bits, one channel")
+      ->type_name("PNG")
+      ->required();
+  command.add_option("--camera", arguments.camera, "OpenCV calibration (and T_base_camera)")
+      ->type_name("YAML")
+      ->required();
+  command.add_option("--part", arguments.parts, "part to look for; say it once per part")
+      ->type_name("ID")
+      ->required();
+  command.add_option("--cell", arguments.cell, "bin and gripper of the cell")->type_name("YAML");
+  command.add_option("--cell-name", arguments.cell_name, "whose turn the request counts as")
+      ->capture_default_str();
+  command.add_option("--overlay", arguments.overlay, "draw the plan over the depth image")
+      ->type_name("PNG");
+  command.add_flag("--json", arguments.json, "print the whole answer as JSON");
+  command.add_flag("--explain", arguments.explain, "list rejected grasps with their reasons");
+  add_choice<Segmentation>(command, "--segmentation", arguments.segmentation);
+  add_choice<Registration>(command, "--registration", arguments.registration);
+  add_choice<GraspOrder>(command, "--order", arguments.order);
+  add_choice<PSystem>(command, "--p-system", arguments.p_system);
+  add_choice<Strategy>(command, "--strategy", arguments.strategy);
+  command
+      .add_option("--max-grasps", arguments.max_grasps_n, "at most so many; 0: server's default")
+      ->type_name("N");
+  add_choice<DepthEncoding>(command, "--encoding", arguments.encoding)->capture_default_str();
+  command.add_option("--budget-ms", arguments.budget_ms, "how long to wait for the answer")
+      ->check(CLI::Range(1, 3'600'000))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_plan_command(CLI::App& app) {
+  const auto arguments = std::make_shared<PlanArguments>();
+  CLI::App* command = app.add_subcommand("plan", "ask for the grasps of one depth frame");
+  add_options(*command, *arguments);
+  command->footer(
+      "Exit codes: 0 planned, 1 a defect of the server, 2 wrong command line, file or request, 3 "
+      "try again,\n4 answered, but nothing to grasp (the outcome says why).\n\n"
+      "Example: grasp plan --server tcp://127.0.0.1:5555 --depth frame.png --camera camera.yaml "
+      "\\\n"
+      "                    --cell cell.yaml --part tee --overlay plan.png");
+  command->callback([arguments] {
+    const Result<int> code = plan(*arguments);
+    if (!code) {
+      fmt::print(stderr, "grasp: {}: {}\n", name_of(code.error().code), code.error().message);
+      throw CLI::RuntimeError(exit_code(code.error().code));
+    }
+    if (*code != 0) throw CLI::RuntimeError(*code);
+  });
+}
+
+}  // namespace graspd::program

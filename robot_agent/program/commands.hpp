@@ -1,0 +1,12 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace graspd::robot_agent {
+
+/// Adds `run`: picks in a cell.
+void add_run_command(CLI::App& app);
+/// Adds `simulate`: records piles of a simulated cell.
+void add_simulate_command(CLI::App& app);
+
+}  // namespace graspd::robot_agent

@@ -1,0 +1,69 @@
+#include "report.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+
+#include "graspd/overlay/overlay.hpp"
+#include "graspd/record/pick_json.hpp"
+
+namespace graspd::robot_agent {
+namespace {
+
+constexpr double kMillimetresPerMetre = 1e3;
+
+std::string grasp_columns(const agent::ChosenGrasp& chosen) {
+  const Eigen::Vector3d p_base_mm = chosen.grasp.T_base_grasp.translation() * kMillimetresPerMetre;
+  return fmt::format("{:<13} {:>5.0f} {:>5.0f} {:>5.0f}  {:>5.3f}  {:>5.1f}", chosen.part_id,
+                     p_base_mm.x(), p_base_mm.y(), p_base_mm.z(), chosen.grs.grs,
+                     chosen.grasp.opening_width_m * kMillimetresPerMetre);
+}
+
+}  // namespace
+
+std::string report_header() {
+  return fmt::format(
+      "{:<12} {:>5}  {:<16} {:>7} {:>6}  {:<13} {:>5} {:>5} {:>5}  {:>5}  {:>5}  {:>7}  {}", "cell",
+      "frame", "outcome", "objects", "grasps", "first grasp", "x mm", "y mm", "z mm", "GRS", "w mm",
+      "plan ms", "verdict");
+}
+
+std::string report_line(const std::string& cell, const agent::PickRecord& record) {
+  const auto outcome = record.outcome ? name_of(*record.outcome) : name_of(record.code);
+  std::string line = fmt::format("{:<12} {:>5}  {:<16} ", cell, record.frame_n, outcome);
+  line += record.outcome ? fmt::format("{:>7} {:>6}  ", record.objects_n, record.grasps_n)
+                         : fmt::format("{:>7} {:>6}  ", "-", "-");
+  line += record.chosen ? grasp_columns(*record.chosen) : fmt::format("{:<44}", "-");
+  line +=
+      fmt::format("  {:>7.1f}  ", std::chrono::duration<double, std::milli>(record.plan).count());
+  line += record.verdict ? name_of(*record.verdict) : "-";
+  return record.message.empty() ? line : line + "  " + record.message;
+}
+
+Reporter::Reporter(std::string cell, record::JsonLines picks, std::filesystem::path overlays)
+    : cell_(std::move(cell)), picks_(std::move(picks)), overlays_(std::move(overlays)) {
+  // Where this fails, the first picture says so.
+  std::error_code error;
+  std::filesystem::create_directories(overlays_, error);
+}
+
+void Reporter::planned(std::uint64_t frame_n, const DepthFrame& frame, const PlanRequest& request,
+                       const PlanAnswer& answer) {
+  for (const std::string& warning : answer.warnings) spdlog::warn("{}: {}", cell_, warning);
+  if (overlays_.empty()) return;
+  const auto path = overlays_ / fmt::format("{:06}.png", frame_n);
+  if (const auto ok = overlay::write_png(path, overlay::draw(frame, request, answer)); !ok) {
+    spdlog::error("{}: {}", cell_, ok.error().message);
+  }
+}
+
+void Reporter::finished(const agent::PickRecord& record) {
+  fmt::print("{}\n", report_line(cell_, record));
+  std::fflush(stdout);
+  placed_n_ += record.verdict == agent::Verdict::kPlaced;
+  if (const auto ok = picks_.add(record::to_json(record)); !ok) {
+    spdlog::error("{}: {}", cell_, ok.error().message);
+  }
+}
+
+}  // namespace graspd::robot_agent

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "graspd/formats/bop.hpp"
+#include "graspd/parts/catalogue.hpp"
+#include "graspd/sim_cell/kinect_v2.hpp"
+#include "graspd/sim_cell/pile.hpp"
+
+namespace graspd::sim_cell {
+
+struct PartCount {
+  std::string part_id;
+  int count_n = 0;
+};
+
+/// What a simulated scene is made of. Frame k has the seed `seed + k`, whatever the other frames.
+struct SceneOptions {
+  std::vector<PartCount> parts;
+  int frames_n = 1;
+  std::uint64_t seed = 1;
+  Eigen::Vector3d bin_inner_size_m{0.30, 0.24, 0.12};
+  double bin_wall_m = 0.005;
+  double camera_height_m = 0.75;  ///< above the bin's floor
+  double camera_tilt_rad = 0;     ///< about the bin's x axis, still towards the bin's centre
+  double gloss = 0.02;            ///< of the parts; see `sense`
+  KinectV2Parameters sensor;
+};
+
+/// T_bin_camera of a camera that looks at the centre of the bin's floor.
+Eigen::Isometry3d camera_over_bin(double height_m, double tilt_rad);
+
+/// Piles and frames of one set of parts. The convex pieces are cut once.
+class SceneMaker {
+ public:
+  /// \returns UNKNOWN_PART for a part that the catalogue does not have, INVALID_ARGUMENT for
+  /// options that make no scene. The catalogue must outlive the maker.
+  static Result<SceneMaker> create(const parts::Catalogue& catalogue, SceneOptions options);
+
+  /// The frame with its true poses, visible fractions and instance ids; `k` is its BOP number.
+  Result<BopImage> make(int k) const;
+
+ private:
+  SceneMaker(SceneOptions options, std::vector<const parts::Part*> kinds, PileMaker piles);
+
+  SceneOptions options_;
+  std::vector<const parts::Part*> kinds_;
+  PileMaker piles_;
+  parts::Mesh bin_;
+};
+
+struct SceneReport {
+  int frames_n = 0;
+  int parts_n = 0;           ///< over all frames
+  double visible_share = 0;  ///< of the parts: visible by half or more
+};
+
+/// Writes a BOP scene folder, and the same frames as an MRPT rawlog, `frames.rawlog`, inside it.
+/// \param progress called after each frame with its number from 1.
+Result<SceneReport> simulate_scene(const parts::Catalogue& catalogue, const SceneOptions& options,
+                                   const std::filesystem::path& directory,
+                                   const std::function<void(int)>& progress = {});
+
+}  // namespace graspd::sim_cell

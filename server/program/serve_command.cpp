@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+#include <pthread.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/signalfd.h>
+#include <tbb/global_control.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <system_error>
+
+#include "commands.hpp"
+#include "exit_codes.hpp"
+#include "graspd/service/front.hpp"
+#include "graspd/service/private_directory.hpp"
+#include "planner.hpp"
+
+namespace graspd::program {
+namespace {
+
+struct ServeArguments {
+  std::string config;
+  std::optional<std::string> parts;
+  std::optional<std::string> data_endpoint;
+  std::optional<std::string> control_endpoint;
+  std::optional<std::uint32_t> workers_n;
+  std::optional<std::string> log_level;
+  bool insecure = false;
+};
+
+/// What the file says, changed by the command line.
+Result<service::ServerConfig> configure(const ServeArguments& arguments) {
+  service::ServerConfig config;
+  if (!arguments.config.empty()) {
+    auto read = service::read_config(arguments.config);
+    if (!read) return read;
+    config = *std::move(read);
+  }
+  if (arguments.parts) config.parts = *arguments.parts;
+  if (arguments.data_endpoint) config.data_endpoint = *arguments.data_endpoint;
+  if (arguments.control_endpoint) config.control_endpoint = *arguments.control_endpoint;
+  if (arguments.workers_n) config.workers_n = *arguments.workers_n;
+  if (arguments.log_level) {
+    config.log_level = parse_enum<service::LogLevel>(*arguments.log_level).value();
+  }
+  if (arguments.insecure) config.insecure = true;
+  config.parts = std::filesystem::absolute(config.parts);
+  if (auto ok = service::validate(config); !ok) return tl::unexpected(ok.error());
+  return config;
+}
+
+/// SIGTERM and SIGINT as a descriptor. Blocked from here on, in every thread that starts later.
+int signal_descriptor() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  const int fd = signalfd(-1, &signals, SFD_CLOEXEC);
+  if (fd < 0) throw std::system_error(errno, std::generic_category(), "signalfd");
+  return fd;
+}
+
+service::Log make_log(service::LogLevel least) {
+  const auto logger = spdlog::stderr_logger_mt("grasp_server");
+  logger->set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
+  logger->set_level(spdlog::level::trace);
+  logger->flush_on(spdlog::level::trace);
+  return [logger, least](service::LogLevel level, std::string_view line) {
+    if (level < least) return;
+    switch (level) {
+      case service::LogLevel::kDebug:
+        logger->debug("{}", line);
+        break;
+      case service::LogLevel::kInfo:
+        logger->info("{}", line);
+        break;
+      case service::LogLevel::kWarning:
+        logger->warn("{}", line);
+        break;
+      case service::LogLevel::kError:
+        logger->error("{}", line);
+        break;
+      case service::LogLevel::kOff:
+        break;
+    }
+  };
+}
+
+/// The configuration that workers read: what is in force here, even if the file changes meanwhile.
+std::filesystem::path write_effective_config(const service::ServerConfig& config,
+                                             const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "server.yaml";
+  std::ofstream file(path);
+  file << service::to_yaml(config) << std::flush;
+  if (!file) throw std::runtime_error(fmt::format("{}: can't be written", path.string()));
+  return path;
+}
+
+std::unique_ptr<service::WorkerLauncher> make_launcher(const service::ServerConfig& config,
+                                                       const Planner& planner,
+                                                       const std::filesystem::path& folder) {
+  if (config.workers_n == 0) {
+    return std::make_unique<service::ThreadLauncher>(planner.handler, planner.server);
+  }
+  const std::string effective = write_effective_config(config, folder);
+  // This very program, even if its file has been replaced by a newer one.
+  return std::make_unique<service::ProcessLauncher>(
+      "/proc/self/exe", std::vector<std::string>{"grasp_server", "worker", "--config", effective});
+}
+
+int serve(const ServeArguments& arguments) {
+  const auto config = configure(arguments);
+  if (!config) {
+    fmt::print(stderr, "grasp_server: {}: {}\n", name_of(config.error().code),
+               config.error().message);
+    return kExitWrongInput;
+  }
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                    threads_per_worker(*config));
+  auto planner = make_planner(*config);
+  if (!planner) {
+    fmt::print(stderr, "grasp_server: {}: {}\n", name_of(planner.error().code),
+               planner.error().message);
+    return kExitWrongInput;
+  }
+  const service::PrivateDirectory folder;
+  const auto launcher = make_launcher(*config, *planner, folder.path());
+
+  service::FrontOptions options;
+  options.config = *config;
+  options.facts = {planner->part_ids, planner->server};
+  options.worker_endpoint = "ipc://" + (folder.path() / "workers").string();
+  options.stop_fd = signal_descriptor();
+  options.log = make_log(config->log_level);
+  service::Front* running = nullptr;
+  options.on_ready = [&] {
+    fmt::print("grasp_server ready: data {}, control {}, {} parts, {} workers\n",
+               running->data_endpoint(), running->control_endpoint(), planner->part_ids.size(),
+               config->workers_n);
+    std::fflush(stdout);
+  };
+  try {
+    service::Front front(options, *launcher);
+    running = &front;
+    front.run();
+  } catch (const service::CannotListen& error) {
+    fmt::print(stderr, "grasp_server: {}\n", error.what());
+    return kExitCannotListen;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app) {
+  const auto arguments = std::make_shared<ServeArguments>();
+  CLI::App* command = app.add_subcommand("serve", "serve plan requests over the network");
+  command
+      ->add_option("--config", arguments->config, "configuration; deploy/server.yaml explains it")
+      ->type_name("FILE");
+  command->add_option("--parts", arguments->parts, "folder of the part catalogue")
+      ->type_name("DIR");
+  command->add_option("--endpoint", arguments->data_endpoint, "where plans are asked")
+      ->type_name("tcp://HOST:PORT");
+  command->add_option("--control-endpoint", arguments->control_endpoint, "where health is asked")
+      ->type_name("tcp://HOST:PORT");
+  command
+      ->add_option("--workers", arguments->workers_n, "worker processes; 0: none, plan in-process")
+      ->type_name("N");
+  command->add_option("--log-level", arguments->log_level, names_of<service::LogLevel>())
+      ->check([](const std::string& name) {
+        return parse_enum<service::LogLevel>(name) ? "" : "known: " + names_of<service::LogLevel>();
+      })
+      ->type_name("LEVEL");
+  command->add_flag("--insecure", arguments->insecure,
+                    "listen beyond this machine although clients are not authenticated");
+  command->footer(
+      "Prints 'grasp_server ready: data ENDPOINT, control ENDPOINT, …' on its output when it is, "
+      "logs to its error\noutput, and ends on SIGTERM or Ctrl-C after finishing what it accepted; "
+      "at once on the second.\n\n"
+      "Example: grasp_server serve --config deploy/server.yaml --workers 2");
+  command->callback([arguments] {
+    if (const int code = serve(*arguments)) throw CLI::RuntimeError(code);
+  });
+}
+
+}  // namespace graspd::program

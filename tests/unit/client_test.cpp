@@ -1,0 +1,279 @@
+#include "graspd/client/client.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <thread>
+#include <zmq.hpp>
+
+#include "client_support.hpp"
+#include "graspd/codec/codec.hpp"
+
+// The client library against servers that do what the test says.
+namespace graspd::client {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::HasSubstr;
+
+constexpr seconds kBudget{20};
+
+Answer healthy(const Request& request) {
+  Answer answer;
+  answer.id = request.id;
+  HealthAnswer health;
+  health.part_ids = {"tee"};
+  answer.body = health;
+  return answer;
+}
+
+/// A ROUTER in a thread of its own. It is healthy; the script answers each plan request, or
+/// doesn't.
+class FakeServer {
+ public:
+  using Script = std::function<std::vector<Answer>(const Request&)>;
+
+  explicit FakeServer(Script script) : script_(std::move(script)) {
+    socket_.set(zmq::sockopt::linger, 0);
+    socket_.bind("tcp://127.0.0.1:*");
+    endpoint = socket_.get(zmq::sockopt::last_endpoint);
+    thread_ = std::thread([this] { run(); });
+  }
+  ~FakeServer() {
+    context_.shutdown();
+    thread_.join();
+  }
+  FakeServer(const FakeServer&) = delete;
+  FakeServer& operator=(const FakeServer&) = delete;
+
+  std::string endpoint;
+  std::atomic<int> requests_n = 0;
+
+ private:
+  void run() {
+    try {
+      while (true) {
+        zmq::message_t client;
+        zmq::message_t envelope;
+        zmq::message_t payload;
+        (void)socket_.recv(client);
+        (void)socket_.recv(envelope);
+        if (envelope.more()) (void)socket_.recv(payload);
+        const auto request = codec::decode_request(
+            {static_cast<const std::byte*>(envelope.data()), envelope.size()});
+        ASSERT_TRUE(request) << request.error().message;
+        const bool health = std::holds_alternative<HealthCall>(request->call);
+        if (!health) ++requests_n;
+        for (const Answer& answer : health ? std::vector{healthy(*request)} : script_(*request)) {
+          socket_.send(zmq::message_t(client.data(), client.size()), zmq::send_flags::sndmore);
+          socket_.send(zmq::buffer(codec::encode_answer(answer)), zmq::send_flags::none);
+        }
+      }
+    } catch (const zmq::error_t& error) {
+      ASSERT_EQ(error.num(), ETERM);
+    }
+    socket_.close();
+  }
+
+  Script script_;
+  zmq::context_t context_;
+  zmq::socket_t socket_{context_, zmq::socket_type::router};
+  std::thread thread_;
+};
+
+Answer ok(const Request& request, const std::string& reason) {
+  Answer answer;
+  answer.id = request.id;
+  PlanAnswer plan;
+  plan.reason = reason;
+  answer.body = plan;
+  return answer;
+}
+
+Answer refusal(const Request& request, Code code, std::uint32_t retry_after_ms = 0) {
+  Answer answer;
+  answer.id = request.id;
+  answer.code = code;
+  answer.message = "because";
+  answer.retry_after_ms = retry_after_ms;
+  return answer;
+}
+
+FakeServer::Script says(const std::string& reason) {
+  return [reason](const Request& request) { return std::vector{ok(request, reason)}; };
+}
+
+TEST(Client, SaysWhereNoServerIsAndWhatToCheck) {
+  // Bound and closed again, so that nobody listens there.
+  std::string endpoint;
+  {
+    FakeServer gone(says(""));
+    endpoint = gone.endpoint;
+  }
+  Client client({endpoint});
+  const auto answer = client.plan(example_frame(), example_request(), kBudget);
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, Code::kUnavailable);
+  EXPECT_THAT(answer.error().message, HasSubstr(endpoint));
+  EXPECT_THAT(answer.error().message, HasSubstr("check that grasp_server runs there"));
+}
+
+TEST(Client, SomethingThatListensButIsNoServerIsNone) {
+  zmq::context_t context;
+  zmq::socket_t stream(context, zmq::socket_type::stream);
+  stream.bind("tcp://127.0.0.1:*");
+  Client client({stream.get(zmq::sockopt::last_endpoint)});
+  const auto answer = client.plan(example_frame(), example_request(), kBudget);
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, Code::kUnavailable);
+}
+
+TEST(Client, RefusesWhatIsNoEndpoint) {
+  EXPECT_THROW(Client({"localhost"}), std::invalid_argument);
+  EXPECT_THROW(Client({"tcp://127.0.0.1:port"}), std::invalid_argument);
+  EXPECT_THROW(Client(std::vector<std::string>{}), std::invalid_argument);
+}
+
+TEST(Client, RefusesABadFrameWithoutSendingIt) {
+  FakeServer server(says("sent"));
+  Client client({server.endpoint});
+  DepthFrame frame = example_frame();
+  frame.depth.assign(frame.depth.size(), 0);
+  EXPECT_EQ(client.plan(frame, example_request(), kBudget).error().code, Code::kInvalidArgument);
+  PlanRequest request = example_request();
+  request.parts.clear();
+  EXPECT_EQ(client.plan(example_frame(), request, kBudget).error().code, Code::kInvalidArgument);
+  EXPECT_EQ(server.requests_n, 0);
+}
+
+TEST(Client, SendsTheWholeRequest) {
+  Request seen;
+  FakeServer server([&seen](const Request& request) {
+    seen = request;
+    return std::vector{ok(request, "")};
+  });
+  ClientOptions options;
+  options.cell = "cell_3";
+  Client client({server.endpoint}, options);
+  ASSERT_TRUE(client.plan(example_frame(), example_request({"tee", "elbow"}), kBudget));
+  EXPECT_EQ(seen.cell, "cell_3");
+  EXPECT_EQ(seen.attempt, 1u);
+  EXPECT_GT(seen.budget_ms, 15'000u);
+  EXPECT_LE(seen.budget_ms, 20'000u);
+  const auto& call = std::get<PlanCall>(seen.call);
+  EXPECT_EQ(call.frame.camera.width_px, 16);
+  EXPECT_EQ(call.plan.parts.at(1).id, "elbow");
+}
+
+TEST(Client, AsksAnotherServerWhereOneIsSilent) {
+  FakeServer silent([](const Request&) { return std::vector<Answer>{}; });
+  FakeServer good(says("good"));
+  ClientOptions options;
+  options.dispatch.attempt_timeout = milliseconds(100);
+  Client client({silent.endpoint, good.endpoint}, options);
+  for (int i = 0; i < 5; ++i) {
+    const auto answer = client.plan(example_frame(), example_request(), kBudget);
+    ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_EQ(answer->reason, "good");
+  }
+}
+
+TEST(Client, AServerThatDiesWithARequestIsReplacedAtOnce) {
+  std::promise<void> arrived;
+  auto dying = std::make_unique<FakeServer>([&arrived](const Request&) {
+    arrived.set_value();
+    return std::vector<Answer>{};
+  });
+  FakeServer good(says("good"));
+  ClientOptions options;
+  options.dispatch.attempt_timeout = kBudget;  // only the lost connection can tell
+  Client client({dying->endpoint, good.endpoint}, options);
+  // Both are connected then, and among equals the first one is asked.
+  for (const ServerHealth& server : client.health(kBudget)) ASSERT_TRUE(server.health);
+  auto answer = client.submit(example_frame(), example_request(), kBudget);
+  arrived.get_future().wait();
+  dying.reset();
+  const auto result = answer.get();
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->reason, "good");
+}
+
+TEST(Client, ComesBackToABusyServerWhenItSaid) {
+  std::vector<std::uint32_t> attempts;
+  FakeServer server([&attempts](const Request& request) {
+    attempts.push_back(request.attempt);
+    return std::vector{attempts.size() < 3 ? refusal(request, Code::kBusy, 40)
+                                           : ok(request, "third time")};
+  });
+  Client client({server.endpoint});
+  const auto start = Clock::now();
+  const auto answer = client.plan(example_frame(), example_request(), kBudget);
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_GE(Clock::now() - start, milliseconds(80));
+  EXPECT_EQ(attempts, (std::vector<std::uint32_t>{1, 2, 3}));
+}
+
+TEST(Client, GivesUpAfterThreeAttemptsWithTheServersWords) {
+  FakeServer server(
+      [](const Request& request) { return std::vector{refusal(request, Code::kBusy, 1)}; });
+  Client client({server.endpoint});
+  const auto answer = client.plan(example_frame(), example_request(), kBudget);
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, Code::kBusy);
+  EXPECT_EQ(answer.error().message, "because (3 attempts)");
+  EXPECT_EQ(server.requests_n, 3);
+}
+
+TEST(Client, DropsAnswersOfOtherRequests) {
+  FakeServer server([](const Request& request) {
+    Request other = request;
+    other.id[0] = static_cast<std::uint8_t>(~other.id[0]);
+    // A stranger's, ours, and ours again.
+    return std::vector{ok(other, "wrong"), ok(request, "right"), ok(request, "late")};
+  });
+  Client client({server.endpoint});
+  for (int i = 0; i < 20; ++i) {
+    const auto answer = client.plan(example_frame(), example_request(), kBudget);
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->reason, "right");
+  }
+}
+
+TEST(Client, AnswersManyThreadsAtOnce) {
+  FakeServer first(says("answer"));
+  FakeServer second(says("answer"));
+  Client client({first.endpoint, second.endpoint});
+  std::vector<std::future<Result<PlanAnswer>>> answers;
+  for (int i = 0; i < 200; ++i) {
+    answers.push_back(client.submit(example_frame(), example_request(), kBudget));
+  }
+  for (auto& answer : answers) EXPECT_TRUE(answer.get());
+  EXPECT_EQ(first.requests_n + second.requests_n, 200);
+}
+
+TEST(Client, ClosingItEndsWhatIsInFlight) {
+  FakeServer silent([](const Request&) { return std::vector<Answer>{}; });
+  std::future<Result<PlanAnswer>> answer;
+  {
+    Client client({silent.endpoint});
+    answer = client.submit(example_frame(), example_request(), kBudget);
+  }
+  EXPECT_EQ(answer.get().error().code, Code::kUnavailable);
+}
+
+TEST(Client, HealthNamesTheServerThatIsNotThere) {
+  FakeServer there(says(""));
+  Client client({there.endpoint, "tcp://127.0.0.1:1"});
+  const auto health = client.health(kBudget);
+  ASSERT_EQ(health.size(), 2u);
+  ASSERT_TRUE(health[0].health);
+  EXPECT_EQ(health[0].health->part_ids, std::vector<std::string>{"tee"});
+  ASSERT_FALSE(health[1].health);
+  EXPECT_EQ(health[1].health.error().code, Code::kUnavailable);
+  EXPECT_THAT(health[1].health.error().message, HasSubstr("tcp://127.0.0.1:1"));
+}
+
+}  // namespace
+}  // namespace graspd::client
