@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "graspd/formats/table.hpp"
 
@@ -36,17 +37,30 @@ double turn_deg(const Eigen::Isometry3d& T_base_grasp) {
   return angle - 180 * std::round(angle / 180);
 }
 
+std::string count(std::size_t number, const std::string& noun) {
+  return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
+}
+
 std::string checks_of(const Grasp& grasp) {
-  int passed = 0;
-  std::string others;
-  for (const CheckReport& report : grasp.checks) {
-    if (report.state == CheckState::kPassed) {
-      ++passed;
-    } else {
-      others += fmt::format(", {} {}", name_of(report.check), name_of(report.state));
+  const auto passed =
+      std::count_if(grasp.checks.begin(), grasp.checks.end(),
+                    [](const CheckReport& report) { return report.state == CheckState::kPassed; });
+  return fmt::format("{} of {}", passed, grasp.checks.size());
+}
+
+/// Which checks no grasp can rely on, and why: the same for most grasps, hence once for all.
+std::string checks_not_run(const PlanAnswer& answer) {
+  std::set<std::string> sentences;
+  for (const Grasp& grasp : answer.grasps) {
+    for (const CheckReport& report : grasp.checks) {
+      if (report.state != CheckState::kNotRun) continue;
+      sentences.insert(fmt::format("{}{}{}", name_of(report.check),
+                                   report.reason.empty() ? "" : ": ", report.reason));
     }
   }
-  return fmt::format("{} passed{}", passed, others);
+  std::string text;
+  for (const std::string& sentence : sentences) text += "not run   " + sentence + "\n";
+  return text;
 }
 
 std::string grasp_table(const PlanAnswer& answer) {
@@ -112,15 +126,17 @@ std::string plan_report(const PlanAnswer& answer, std::chrono::nanoseconds round
   if (!answer.grasps.empty()) {
     text += grasp_table(answer);
     text +=
-        "tilt: of the approach from straight down; turn: of the closing direction from base x\n\n";
+        "tilt: of the approach from straight down; turn: of the closing direction from base x; "
+        "checks: passed\n\n";
   }
   if (!answer.rejected_grasps.empty()) text += rejected_table(answer) + "\n";
-  text += fmt::format("outcome   {}, {} objects, {} grasps\n", name_of(answer.outcome),
-                      answer.objects.size(), answer.grasps.size());
+  text += fmt::format("outcome   {}, {}, {}\n", name_of(answer.outcome),
+                      count(answer.objects.size(), "object"), count(answer.grasps.size(), "grasp"));
   if (!answer.reason.empty()) text += fmt::format("reason    {}\n", answer.reason);
   for (const std::string& warning : answer.warnings) text += fmt::format("warning   {}\n", warning);
   if (answer.fill_level)
     text += fmt::format("fill      {:.0f} % of the bin\n", *answer.fill_level * 100);
+  text += checks_not_run(answer);
   text += fmt::format("funnel    {}\n", funnel_line(answer.funnel));
   text += fmt::format("time ms   {}\n", timings_line(answer, round_trip));
   text += fmt::format("server    build {}, catalogue {}, config {}\n", answer.server.build,

@@ -80,8 +80,8 @@ TEST_F(Planner, AnswersRankedGraspsWithTheirEvidence) {
   EXPECT_EQ(answer->funnel.registered_n, answer->objects.size());
   std::vector<std::string> stages;
   for (const auto& timing : answer->timings) stages.push_back(timing.stage);
-  EXPECT_THAT(stages,
-              ::testing::ElementsAre("preprocess", "segmentation", "registration", "grasps"));
+  EXPECT_THAT(stages, ::testing::ElementsAre("preprocess", "segmentation", "displacement",
+                                             "registration", "grasps"));
 }
 
 TEST_F(Planner, AnswersTheSameWhateverTheThreads) {

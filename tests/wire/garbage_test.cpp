@@ -138,5 +138,11 @@ TEST(SalvageRequestId, IsZeroWhereThereIsNone) {
             RequestId{});
 }
 
+TEST(SalvageRequestId, LooksNoFurtherThanTheLargestEnvelope) {
+  const std::string sixteen_kib = "\xc2\x3e\x80\x80\x01" + std::string(16384, 'x');  // field 1000
+  const std::string bytes = codec::encode_request(RandomMessages(8).health_request());
+  EXPECT_EQ(codec::salvage_request_id(as_bytes(sixteen_kib + bytes)), RequestId{});
+}
+
 }  // namespace
 }  // namespace graspd::testing

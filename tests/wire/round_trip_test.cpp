@@ -84,18 +84,15 @@ TEST(RoundTrip, PosesKeepTheirRotationForEveryAngle) {
 
 TEST(RoundTrip, NearlyUnitQuaternionsAreNormalised) {
   const std::string bytes = codec::encode_request(RandomMessages(5).plan_request());
-  const std::string pose = "plan.request.T_base_camera.rotation.";
-  const auto decoded =
-      codec::decode_request(as_bytes(schema::edit("Request", bytes,
-                                                  {{pose + "w", "1.0009"},
-                                                   {pose + "x", "0"},
-                                                   {pose + "y", "0"},
-                                                   {pose + "z", "0"},
-                                                   {"plan.request.bin", kClear},
-                                                   {"plan.request.crop_box", kClear}})));
+  const auto decoded = codec::decode_request(as_bytes(
+      schema::edit("Request", bytes,
+                   {{"plan.request.T_base_camera.rotation", "{ w: 0 x: 1.0009 y: 0 z: 0 }"},
+                    {"plan.request.bin", kClear},
+                    {"plan.request.crop_box", kClear}})));
   ASSERT_TRUE(decoded) << decoded.error().message;
   const auto& T_base_camera = std::get<PlanCall>(decoded->call).plan.T_base_camera;
-  EXPECT_TRUE(T_base_camera.linear().isIdentity(1e-15));
+  const Eigen::Matrix3d half_turn = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  EXPECT_TRUE(T_base_camera.linear().isApprox(half_turn, 1e-15));
 }
 
 TEST(Encode, MirroredPoseIsNoRotationOnTheWireEither) {

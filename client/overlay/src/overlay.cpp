@@ -191,36 +191,29 @@ class Legend {
   int y_px_;
 };
 
-cv::Mat draw_strip(int width_px, const PlanAnswer& answer) {
-  constexpr int kMargin_px = Legend::kMargin_px;
-  const std::vector<std::string> reason = wrap(answer.reason, width_px - 2 * kMargin_px);
-  cv::Mat strip(kLine_px * (static_cast<int>(reason.size()) + 6), width_px, CV_8UC3,
-                bgr(kStripColor));
-  int y_px = kLine_px;
-  for (const std::string& line : wrap(caption(answer), width_px - 2 * kMargin_px)) {
-    draw_text(strip, line, {kMargin_px, y_px}, kText_px + 2, kTextColor);
-    y_px += kLine_px;
-  }
-  for (const std::string& line : reason) {
-    draw_text(strip, line, {kMargin_px, y_px}, kText_px, kTextColor);
-    y_px += kLine_px;
-  }
-  Legend legend(strip, y_px);
+/// Explains the signs that the picture has. \returns where it ends.
+int draw_legend(cv::Mat& strip, int top_px, const PlanAnswer& answer) {
+  Legend legend(strip, top_px);
   const auto add_grasp = [&](const Color& color, int thickness_px, const std::string& text) {
     legend.add(
         36, [&](cv::Point2d centre) { draw_grasp_sign(strip, centre, color, thickness_px); }, text);
   };
-  add_grasp(kBestGraspColor, 4, "best grasp: jaws, open");
-  add_grasp(kGraspColor, 2, "other objects' best grasps, by rank");
-  legend.add(
-      60,
-      [&](cv::Point2d centre) {
-        for (int i = 0; i < 3; ++i) {
-          const double x = centre.x - 30 + 20.0 * i;
-          draw_line(strip, {{x + 2, centre.y}, {x + 18, centre.y}}, false, kOutlineColors[i], 2);
-        }
-      },
-      "recognised parts");
+  if (!answer.grasps.empty()) add_grasp(kBestGraspColor, 4, "best grasp: jaws, open");
+  if (answer.grasps.size() > 1) add_grasp(kGraspColor, 2, "other objects' best grasps, by rank");
+  const bool outlined =
+      std::any_of(answer.objects.begin(), answer.objects.end(),
+                  [](const Object& object) { return !object.outline_px.empty(); });
+  if (outlined) {
+    legend.add(
+        60,
+        [&](cv::Point2d centre) {
+          for (int i = 0; i < 3; ++i) {
+            const double x = centre.x - 30 + 20.0 * i;
+            draw_line(strip, {{x + 2, centre.y}, {x + 18, centre.y}}, false, kOutlineColors[i], 2);
+          }
+        },
+        "recognised parts");
+  }
   legend.add(
       20,
       [&](cv::Point2d centre) {
@@ -230,7 +223,28 @@ cv::Mat draw_strip(int width_px, const PlanAnswer& answer) {
                      kNoReadingColor);
       },
       "no reading");
-  return strip.rowRange(0, std::min(strip.rows, legend.bottom_px() + kLine_px / 2));
+  return legend.bottom_px();
+}
+
+cv::Mat draw_strip(int width_px, const PlanAnswer& answer) {
+  constexpr int kMargin_px = Legend::kMargin_px;
+  constexpr int kMostLegendLines = 4;
+  const int text_px = width_px - 2 * kMargin_px;
+  const std::vector<std::string> headline = wrap(caption(answer), text_px);
+  const std::vector<std::string> reason = wrap(answer.reason, text_px);
+  const auto lines = static_cast<int>(headline.size() + reason.size());
+  cv::Mat strip(kLine_px * (lines + kMostLegendLines + 1), width_px, CV_8UC3, bgr(kStripColor));
+  int y_px = kLine_px;
+  for (const std::string& line : headline) {
+    draw_text(strip, line, {kMargin_px, y_px}, kText_px + 2, kTextColor);
+    y_px += kLine_px;
+  }
+  for (const std::string& line : reason) {
+    draw_text(strip, line, {kMargin_px, y_px}, kText_px, kTextColor);
+    y_px += kLine_px;
+  }
+  const int bottom_px = draw_legend(strip, y_px, answer);
+  return strip.rowRange(0, std::min(strip.rows, bottom_px + kLine_px / 2));
 }
 
 }  // namespace

@@ -13,12 +13,11 @@ void write(const Eigen::Isometry3d& pose, v1::Pose& out) {
   write(Eigen::Vector3d(pose.translation()), *out.mutable_translation_m());
   // Not normalised: what is no rotation must not look like one to the reader.
   const Eigen::Quaterniond q(pose.linear());
-  const double sign = q.w() < 0 ? -1 : 1;
   auto& rotation = *out.mutable_rotation();
-  rotation.set_w(sign * q.w());
-  rotation.set_x(sign * q.x());
-  rotation.set_y(sign * q.y());
-  rotation.set_z(sign * q.z());
+  rotation.set_w(q.w());
+  rotation.set_x(q.x());
+  rotation.set_y(q.y());
+  rotation.set_z(q.z());
 }
 
 void write(const CameraIntrinsics& camera, v1::CameraIntrinsics& out) {

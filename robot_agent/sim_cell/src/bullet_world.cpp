@@ -49,7 +49,7 @@ PartShape make_part_shape(const parts::Mesh& mesh, const ConvexPiecesOptions& op
     shape.pieces.push_back(make_hull(piece, shape.centre_of_mass_m));
     shape.compound->addChildShape(btTransform::getIdentity(), shape.pieces.back().get());
   }
-  if(getenv("OPT")) shape.compound->getDynamicAabbTree()->optimizeTopDown();
+  shape.compound->getDynamicAabbTree()->optimizeTopDown();
   return shape;
 }
 
@@ -62,7 +62,7 @@ BulletWorld::BulletWorld(const Eigen::Vector3d& bin_inner_size_m, double frictio
   if(getenv("SI"))world_.getSolverInfo().m_splitImpulsePenetrationThreshold=btScalar(-atof(getenv("SI")));
   if(getenv("SLOP"))world_.getSolverInfo().m_linearSlop=btScalar(atof(getenv("SLOP")));
   if(getenv("WS"))world_.getSolverInfo().m_warmstartingFactor=btScalar(atof(getenv("WS")));
-  if(getenv("F2"))world_.getSolverInfo().m_solverMode|=SOLVER_USE_2_FRICTION_DIRECTIONS;
+  if(!getenv("F1"))world_.getSolverInfo().m_solverMode|=SOLVER_USE_2_FRICTION_DIRECTIONS;
   const Eigen::Vector3d& size = bin_inner_size_m;
   add_wall({0, 0, -kWall_m / 2}, {kTable_m, kTable_m, kWall_m});
   for (const double side : {-1.0, 1.0}) {
@@ -93,7 +93,7 @@ btRigidBody* BulletWorld::add_body(btCollisionShape* shape, double mass_kg) {
   btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass_kg), nullptr, shape, inertia);
   info.m_friction = btScalar(friction_);
   info.m_restitution = btScalar(restitution_);
-  if(getenv("RF")){info.m_rollingFriction=btScalar(atof(getenv("RF")));info.m_spinningFriction=info.m_rollingFriction;}
+  {info.m_rollingFriction=btScalar(atof(getenv("RF")?getenv("RF"):".01"));info.m_spinningFriction=info.m_rollingFriction;}
   bodies_.push_back(std::make_unique<btRigidBody>(info));
   btRigidBody* body = bodies_.back().get();
   // Sleeping bodies would be "still" without being at rest.

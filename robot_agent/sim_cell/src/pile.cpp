@@ -48,18 +48,20 @@ class Drop {
     }
   }
 
-  /// \returns whether all parts lay still for long enough.
+  /// \returns whether all parts came to rest.
   bool settle() {
-    const double end_s = pile_.simulated_s + options_.settle_within_s;
     const double start_s = pile_.simulated_s;
-    double still_s = 0;
-    while (pile_.simulated_s < end_s && still_s < options_.still_for_s) {
+    double still_speed_m_s = 0;
+    do {
       const double tens = (pile_.simulated_s - start_s) / kThickening_s;
       set_damping(std::max(kAirDamping, 1 - std::pow(0.1, std::min(tens, kThickest))));
-      step();
-      still_s = fastest_m_s() < options_.still_speed_m_s ? still_s + options_.step_s : 0;
-    }
-    return still_s >= options_.still_for_s;
+      const std::vector<Eigen::Isometry3d> before = poses();
+      const double window_start_s = pile_.simulated_s;
+      while (pile_.simulated_s < window_start_s + options_.still_for_s) step();
+      still_speed_m_s = farthest_move_m(before) / (pile_.simulated_s - window_start_s);
+    } while (still_speed_m_s >= options_.still_speed_m_s &&
+             pile_.simulated_s < start_s + options_.settle_within_s);
+    return still_speed_m_s < options_.still_speed_m_s;
   }
 
   /// Drops every part that lies beside the bin again. \returns whether there was one.
@@ -133,16 +135,25 @@ class Drop {
     }
   }
 
-  /// Of any point of any part, turning included.
-  double fastest_m_s() const {
-    double fastest_m_s = 0;
-    for (const Body& body : bodies_) {
-      const double linear_m_s = double(body.body->getLinearVelocity().length()) / kScale;
-      const double angular_rad_s = double(body.body->getAngularVelocity().length());
-      fastest_m_s =
-          std::max(fastest_m_s, linear_m_s + angular_rad_s * shapes_[body.kind].radius_m);
+  std::vector<Eigen::Isometry3d> poses() const {
+    std::vector<Eigen::Isometry3d> poses;
+    for (const Body& body : bodies_) poses.push_back(pose_of(*body.body, shapes_[body.kind]));
+    return poses;
+  }
+
+  /// Of any point of any part, since it lay as in `before`. (Speeds would not do: in a pile at rest
+  /// the solver's velocities tremble about zero.)
+  double farthest_move_m(const std::vector<Eigen::Isometry3d>& before) const {
+    double farthest_m = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const PartShape& shape = shapes_[bodies_[i].kind];
+      const Eigen::Isometry3d now = pose_of(*bodies_[i].body, shape);
+      const double shift_m =
+          (now * shape.centre_of_mass_m - before[i] * shape.centre_of_mass_m).norm();
+      const double turn_rad = Eigen::AngleAxisd(before[i].linear().transpose() * now.linear()).angle();
+      farthest_m = std::max(farthest_m, shift_m + turn_rad * shape.radius_m);
     }
-    return fastest_m_s;
+    return farthest_m;
   }
 
   bool is_stray(const Body& body) const {

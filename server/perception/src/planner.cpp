@@ -96,6 +96,14 @@ std::vector<Eigen::Vector3d> centroids_in_base(const Cloud& cloud,
   return centroids_m;
 }
 
+void take_evidence(const Evidence& evidence, Object& object) {
+  object.score = evidence.score;
+  object.visible_fraction = evidence.visible_fraction;
+  object.inlier_fraction = evidence.inlier_fraction;
+  object.refuted_fraction = evidence.refuted_fraction;
+  object.rms_m = evidence.rms_m;
+}
+
 std::vector<Object> objects_from(const RegistrationResult& result,
                                  const Eigen::Isometry3d& T_base_camera) {
   std::vector<Object> objects;
@@ -104,11 +112,7 @@ std::vector<Object> objects_from(const RegistrationResult& result,
     object.id = static_cast<std::uint32_t>(objects.size());
     object.part_id = part.part->id;
     object.T_base_part = T_base_camera * part.T_camera_part;
-    object.score = part.evidence.score;
-    object.visible_fraction = part.evidence.visible_fraction;
-    object.inlier_fraction = part.evidence.inlier_fraction;
-    object.refuted_fraction = part.evidence.refuted_fraction;
-    object.rms_m = part.evidence.rms_m;
+    take_evidence(part.evidence, object);
     object.p_base_segment_centroid_m = T_base_camera * part.p_camera_segment_centroid_m;
   }
   return objects;
@@ -127,11 +131,7 @@ std::vector<Object> objects_from(const std::vector<LastObject>& standing, const 
     object.id = last.id;
     object.part_id = last.part_id;
     object.T_base_part = last.T_base_part;
-    object.score = evidence.score;
-    object.visible_fraction = evidence.visible_fraction;
-    object.inlier_fraction = evidence.inlier_fraction;
-    object.refuted_fraction = evidence.refuted_fraction;
-    object.rms_m = evidence.rms_m;
+    take_evidence(evidence, object);
     object.p_base_segment_centroid_m = last.p_base_segment_centroid_m;
   }
   return objects;
@@ -150,9 +150,50 @@ Result<void> check_last_plan(const PlanRequest& request, const parts::Catalogue&
   return {};
 }
 
-void finish(PlanAnswer& answer, Outcome outcome, std::string reason) {
+/// Everything that can be wrong with a call. \returns the requested parts.
+Result<PartList> check(const DepthFrame& frame, const PlanRequest& request,
+                       const parts::Catalogue& catalogue, const Parameters& parameters) {
+  if (auto ok = validate(frame); !ok) return tl::unexpected(ok.error());
+  if (auto ok = validate(request); !ok) return tl::unexpected(ok.error());
+  if (auto ok = check_available(request, parameters); !ok) return tl::unexpected(ok.error());
+  if (auto ok = check_last_plan(request, catalogue); !ok) return tl::unexpected(ok.error());
+  return find_parts(request, catalogue);
+}
+
+PlanAnswer finished(PlanAnswer& answer, Outcome outcome, std::string reason) {
   answer.outcome = outcome;
   answer.reason = std::move(reason);
+  return std::move(answer);
+}
+
+/// The last plan's remaining objects, where none of them has moved.
+std::optional<std::vector<LastObject>> standing_objects(const PlanRequest& request,
+                                                        const Cloud& cloud,
+                                                        const std::vector<Indices>& segments,
+                                                        const Parameters& parameters) {
+  if (!request.last_plan) return std::nullopt;
+  const auto centroids_m = centroids_in_base(cloud, segments, request.T_base_camera);
+  return unchanged_objects(*request.last_plan, centroids_m, parameters.displacement);
+}
+
+/// Registers the parts in the segments.
+std::vector<Object> register_objects(const DepthFrame& frame, const PlanRequest& request,
+                                     const Scene& scene, const std::vector<Indices>& segments,
+                                     const PartList& parts, const Parameters& parameters,
+                                     Funnel& funnel) {
+  const RegistrationResult registered =
+      register_segments(frame, scene, segments, parts, parameters.registration);
+  funnel.hypotheses_n = registered.hypotheses_n;
+  funnel.rejected_score_n = registered.rejected_score_n;
+  return objects_from(registered, request.T_base_camera);
+}
+
+void draw_outlines(const DepthFrame& frame, const PlanRequest& request,
+                   const parts::Catalogue& catalogue, std::vector<Object>& objects) {
+  for (Object& object : objects) {
+    object.outline_px = outline_px(frame.camera, catalogue.find(object.part_id)->mesh,
+                                   request.T_base_camera.inverse() * object.T_base_part);
+  }
 }
 
 /// GRS of every object, then a grasp for each, ranked.
@@ -203,27 +244,21 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
 Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
                         const parts::Catalogue& catalogue, const Parameters& server_parameters) {
   const Parameters parameters = effective(request.options, server_parameters);
-  if (auto ok = validate(frame); !ok) return tl::unexpected(ok.error());
-  if (auto ok = validate(request); !ok) return tl::unexpected(ok.error());
-  if (auto ok = check_available(request, parameters); !ok) return tl::unexpected(ok.error());
-  if (auto ok = check_last_plan(request, catalogue); !ok) return tl::unexpected(ok.error());
-  const auto parts = find_parts(request, catalogue);
+  const auto parts = check(frame, request, catalogue, parameters);
   if (!parts) return tl::unexpected(parts.error());
-
   PlanAnswer answer;
   StageClock clock(answer.timings);
 
-  Scene scene = preprocess(frame, request, largest_diameter_m(*parts), parameters.preprocess);
+  const Scene scene = preprocess(frame, request, largest_diameter_m(*parts), parameters.preprocess);
   answer.funnel = scene.funnel;
   answer.fill_level = scene.fill_level;
-  answer.warnings = std::move(scene.warnings);
+  answer.warnings = scene.warnings;
   clock.finished("preprocess");
   if (scene.funnel.after_passthrough_n == 0) {
-    finish(answer, Outcome::kBinNotFound,
-           fmt::format("none of the {} readings lies where the request says the bin is; check "
-                       "T_base_camera, T_base_bin and the intrinsics",
-                       scene.funnel.readings_n));
-    return answer;
+    return finished(answer, Outcome::kBinNotFound,
+                    fmt::format("none of the {} readings lies where the request says the bin is; "
+                                "check T_base_camera, T_base_bin and the intrinsics",
+                                scene.funnel.readings_n));
   }
 
   const std::vector<Indices> segments =
@@ -231,56 +266,43 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
   answer.funnel.segments_n = static_cast<std::uint32_t>(segments.size());
   clock.finished("segmentation");
   if (segments.empty()) {
-    finish(answer, Outcome::kBinEmpty,
-           fmt::format("{} points lie above the floor, too few for a part",
-                       scene.funnel.after_plane_n));
-    return answer;
+    return finished(answer, Outcome::kBinEmpty,
+                    fmt::format("{} points lie above the floor, too few for a part",
+                                scene.funnel.after_plane_n));
   }
 
-  std::optional<std::vector<LastObject>> standing;
-  if (request.last_plan) {
-    const auto centroids_m = centroids_in_base(scene.cloud, segments, request.T_base_camera);
-    standing = unchanged_objects(*request.last_plan, centroids_m, parameters.displacement);
-    clock.finished("displacement");
-  }
-  if (standing) {
-    answer.objects = objects_from(*standing, frame, request.T_base_camera, catalogue,
-                                  parameters.registration.inlier_tolerance_m);
-  } else {
-    const RegistrationResult registered =
-        register_segments(frame, scene.cloud, segments, *parts, parameters.registration);
-    answer.funnel.hypotheses_n = registered.hypotheses_n;
-    answer.funnel.rejected_score_n = registered.rejected_score_n;
-    answer.objects = objects_from(registered, request.T_base_camera);
-  }
+  const auto standing = standing_objects(request, scene.cloud, segments, parameters);
+  clock.finished("displacement");
+  answer.objects = standing ? objects_from(*standing, frame, request.T_base_camera, catalogue,
+                                           parameters.registration.inlier_tolerance_m)
+                            : register_objects(frame, request, scene, segments, *parts, parameters,
+                                               answer.funnel);
   answer.funnel.registered_n = static_cast<std::uint32_t>(answer.objects.size());
   clock.finished("registration");
   if (answer.objects.empty()) {
-    finish(answer, Outcome::kNoneRegistered,
-           fmt::format("{} segments, but the frame supports none of {} hypotheses by the score {}",
-                       segments.size(), answer.funnel.hypotheses_n,
-                       parameters.registration.min_score));
-    return answer;
+    return finished(answer, Outcome::kNoneRegistered,
+                    fmt::format("{} segments, but the frame supports none of {} hypotheses by the "
+                                "score {}",
+                                segments.size(), answer.funnel.hypotheses_n,
+                                parameters.registration.min_score));
   }
 
   plan_grasps(request, catalogue, parameters, request.T_base_camera * scene.T_camera_floor, answer);
   clock.finished("grasps");
-  if (answer.grasps.empty()) {
-    finish(answer, Outcome::kAllInCollision,
-           fmt::format("{} parts found, but every grasp fails a check; the first: {}",
-                       answer.objects.size(), first_failure(answer.rejected_grasps)));
-  } else if (standing) {
-    finish(answer, Outcome::kUnchanged,
-           fmt::format("no segment moved by more than {:.1f} mm since the last plan",
-                       parameters.displacement.threshold_m * 1e3));
-  }
-  if (!request.options.explain_rejected) answer.rejected_grasps.clear();
   if (request.options.outlines) {
-    for (Object& object : answer.objects) {
-      object.outline_px = outline_px(frame.camera, catalogue.find(object.part_id)->mesh,
-                                     request.T_base_camera.inverse() * object.T_base_part);
-    }
+    draw_outlines(frame, request, catalogue, answer.objects);
     clock.finished("outlines");
+  }
+  const std::string failure = first_failure(answer.rejected_grasps);
+  if (!request.options.explain_rejected) answer.rejected_grasps.clear();
+  if (answer.grasps.empty()) {
+    return finished(answer, Outcome::kAllInCollision,
+                    fmt::format("every grasp fails a check; the first: {}", failure));
+  }
+  if (standing) {
+    return finished(answer, Outcome::kUnchanged,
+                    fmt::format("no segment moved by more than {:.1f} mm since the last plan",
+                                parameters.displacement.threshold_m * 1e3));
   }
   return answer;
 }

@@ -97,6 +97,7 @@ void preprocess_known(const Cloud& frame_cloud, const Workspace& workspace, bool
     if (std::abs(error_m) > kFloorMismatch_m) floor.reset();
   }
   if (!floor && has_bin) floor = stated;
+  scene.has_floor = floor.has_value();
   scene.cloud = floor ? above_plane(thinned, *floor, workspace.size_m.z(), parameters) : thinned;
 }
 
@@ -107,7 +108,9 @@ void preprocess_unknown(const Cloud& frame_cloud, double part_diameter_m,
   scene.funnel.after_passthrough_n = static_cast<std::uint32_t>(frame_cloud.size());
   const Cloud thinned = voxel_grid(frame_cloud, parameters.voxel_m);
   scene.funnel.after_voxel_grid_n = static_cast<std::uint32_t>(thinned.size());
-  if (const auto floor = find_floor(thinned, std::nullopt, parameters)) {
+  const auto floor = find_floor(thinned, std::nullopt, parameters);
+  scene.has_floor = floor.has_value();
+  if (floor) {
     scene.cloud = above_plane(thinned, *floor, kCropDiameters * part_diameter_m, parameters);
     scene.T_camera_floor = frame_on(*floor, scene.cloud);
   } else {

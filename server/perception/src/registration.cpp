@@ -43,6 +43,17 @@ SegmentResult register_segment(const DepthFrame& frame, const Cloud& segment,
   return result;
 }
 
+/// How far the pose reaches through the floor.
+double below_floor_m(const RegisteredPart& part, const Eigen::Isometry3d& T_camera_floor) {
+  const Eigen::Isometry3f T_floor_part =
+      (T_camera_floor.inverse() * part.T_camera_part).cast<float>();
+  float lowest_m = 0;
+  for (const auto& point : part.part->surface) {
+    lowest_m = std::min(lowest_m, (T_floor_part * point.position_m).z());
+  }
+  return -lowest_m;
+}
+
 bool same_place(const RegisteredPart& a, const RegisteredPart& b) {
   const double reach_m = kSamePlaceShare * std::min(a.part->diameter_m, b.part->diameter_m);
   return (a.T_camera_part * a.part->barycentre_m - b.T_camera_part * b.part->barycentre_m).norm() <
@@ -86,7 +97,7 @@ RegistrationMethod registration_method(Registration name, std::span<const parts:
       fmt::format("registration_method: '{}' is not in this build", name_of(name)));
 }
 
-RegistrationResult register_segments(const DepthFrame& frame, const Cloud& cloud,
+RegistrationResult register_segments(const DepthFrame& frame, const Scene& scene,
                                      std::span<const Indices> segments,
                                      std::span<const parts::Part* const> parts,
                                      const RegistrationParameters& parameters) {
@@ -94,14 +105,17 @@ RegistrationResult register_segments(const DepthFrame& frame, const Cloud& cloud
   // Each segment has its own slot, so the threads' order does not show in the answer.
   std::vector<SegmentResult> found(segments.size());
   tbb::parallel_for(std::size_t{0}, segments.size(), [&](std::size_t i) {
-    found[i] = register_segment(frame, subset(cloud, segments[i]), parts, method,
+    found[i] = register_segment(frame, subset(scene.cloud, segments[i]), parts, method,
                                 parameters.inlier_tolerance_m);
   });
 
   RegistrationResult result;
   for (const auto& [hypotheses_n, best] : found) {
     result.hypotheses_n += hypotheses_n;
-    if (best && best->evidence.score >= parameters.min_score) result.parts.push_back(*best);
+    if (!best || best->evidence.score < parameters.min_score) continue;
+    const bool possible = !scene.has_floor || below_floor_m(*best, scene.T_camera_floor) <=
+                                                  parameters.max_below_floor_m;
+    if (possible) result.parts.push_back(*best);
   }
   std::stable_sort(result.parts.begin(), result.parts.end(), [](const auto& a, const auto& b) {
     return a.evidence.score > b.evidence.score;

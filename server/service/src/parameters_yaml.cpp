@@ -48,12 +48,13 @@ void visit(perception::SegmentationParameters& p, Visitor& section) {
 template <class Visitor>
 void visit(perception::RegistrationParameters& p, Visitor& section) {
   auto& [method, icp_iterations_n, icp_max_distance_m, inlier_tolerance_m, min_score,
-         feature_radius_m, sac_iterations_n, ndt_resolution_m] = p;
+         max_below_floor_m, feature_radius_m, sac_iterations_n, ndt_resolution_m] = p;
   section.choice("method", method);
   section.number("icp_iterations_n", icp_iterations_n, 1, 10'000);
   section.number("icp_max_distance_m", icp_max_distance_m, 1e-4, 1);
   section.number("inlier_tolerance_m", inlier_tolerance_m, 1e-4, 0.1);
   section.number("min_score", min_score, 0, 1);
+  section.number("max_below_floor_m", max_below_floor_m, 0, 1);
   section.number("feature_radius_m", feature_radius_m, 1e-3, 1);
   section.number("sac_iterations_n", sac_iterations_n, 1, 1'000'000);
   section.number("ndt_resolution_m", ndt_resolution_m, 1e-3, 1);

@@ -23,12 +23,12 @@ struct PreprocessParameters {
 
 struct SegmentationParameters {
   Segmentation method = Segmentation::kImprovedDbscan;
-  double eps_m = 0.004;
+  double eps_m = 0.005;
   int min_points_n = 10;  ///< MinPts: neighbours of a core point, itself included
   int octree_depth_n = 8;
   double smoothness_rad = 0.2;  ///< θ_th of Algorithm 1
   double curvature = 0.05;      ///< c_th of Algorithm 1
-  double euclidean_tolerance_m = 0.004;
+  double euclidean_tolerance_m = 0.005;
   int region_neighbours_n = 20;
   double region_smoothness_rad = 0.12;
   double region_curvature = 0.05;
@@ -39,8 +39,9 @@ struct RegistrationParameters {
   Registration method = Registration::kPcaIcp;
   int icp_iterations_n = 50;
   double icp_max_distance_m = 0.01;
-  double inlier_tolerance_m = 0.004;
-  double min_score = 0.4;
+  double inlier_tolerance_m = 0.006;
+  double min_score = 0.25;
+  double max_below_floor_m = 0.012;  ///< noise and multipath, but no part lies in the floor
   double feature_radius_m = 0.012;
   int sac_iterations_n = 400;
   double ndt_resolution_m = 0.02;

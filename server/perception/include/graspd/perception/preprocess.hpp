@@ -55,7 +55,8 @@ struct Scene {
   /// z up, origin on the floor: the bin's frame, or made from the floor that was found; without
   /// any floor, z towards the camera and the origin at the deepest point.
   Eigen::Isometry3d T_camera_floor = Eigen::Isometry3d::Identity();
-  Funnel funnel;  ///< up to after_plane_n
+  bool has_floor = false;  ///< a bin's, or found: nothing can lie below it
+  Funnel funnel;           ///< up to after_plane_n
   std::optional<double> fill_level;
   std::vector<std::string> warnings;
 };

@@ -10,6 +10,7 @@
 #include "graspd/perception/cloud.hpp"
 #include "graspd/perception/evidence.hpp"
 #include "graspd/perception/parameters.hpp"
+#include "graspd/perception/preprocess.hpp"
 
 /// From segments to posed parts.
 namespace graspd::perception {
@@ -57,9 +58,10 @@ struct RegistrationResult {
 };
 
 /// Registers every part in every segment, keeps the part that the depth image supports best, drops
-/// poses below `min_score` and poses of a place that is taken by a better one.
+/// poses below `min_score`, poses that reach through the floor by more than `max_below_floor_m` and
+/// poses of a place that is taken by a better one.
 /// Works on the segments in parallel, within the caller's TBB arena.
-RegistrationResult register_segments(const DepthFrame& frame, const Cloud& cloud,
+RegistrationResult register_segments(const DepthFrame& frame, const Scene& scene,
                                      std::span<const Indices> segments,
                                      std::span<const parts::Part* const> parts,
                                      const RegistrationParameters& parameters);

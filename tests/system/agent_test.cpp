@@ -1,0 +1,252 @@
+#include <gmock/gmock.h>
+
+#include <future>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "graspd/formats/bop.hpp"
+#include "graspd/recordings/rawlog.hpp"
+#include "serve_process.hpp"
+#include "serve_scene.hpp"
+
+/// The real agent, at a real server, replaying recordings of bars on a floor.
+namespace graspd::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+const Eigen::Vector3d kBar_m(0.08, 0.024, 0.02);
+const Eigen::Vector3d kStick_m(0.11, 0.022, 0.022);
+
+class AgentTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    shared_ = new Shared;
+    write_box_part(shared_->folder, "bar", 1, kBar_m * 1000);
+    write_box_part(shared_->folder, "stick", 2, kStick_m * 1000);
+    shared_->server = std::make_unique<ServeProcess>(
+        std::vector<std::string>{"--parts", shared_->folder.path() / "parts", "--workers", "1"});
+    ASSERT_TRUE(shared_->server->wait_ready());
+  }
+  static void TearDownTestSuite() {
+    delete shared_;
+    shared_ = nullptr;
+  }
+
+  /// A bar apart from the two others: the one to be picked first.
+  static std::vector<Block> three_bars() {
+    return {bar_at(-0.12, -0.07, 0.4, kBar_m), bar_at(0.08, 0.0, -0.3, kBar_m),
+            bar_at(0.1, 0.08, 0.9, kBar_m)};
+  }
+  static DepthFrame frame_of(const std::vector<Block>& blocks,
+                             const CameraIntrinsics& camera = kinect_v2()) {
+    return render(camera, kHeight_m, blocks);
+  }
+
+  std::filesystem::path write_bop(const std::vector<DepthFrame>& frames) {
+    BopSceneWriter scene(folder.path() / "scene");
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      BopImage image;
+      image.im_id = static_cast<int>(i);
+      image.frame = frames[i];
+      image.bin = BopBin{T_base_camera_above(kHeight_m).inverse(), {0.4, 0.3, 0.15}};
+      EXPECT_TRUE(scene.add(image));
+    }
+    EXPECT_TRUE(scene.finish());
+    return folder.path() / "scene";
+  }
+  std::filesystem::path write_rawlog(const std::vector<DepthFrame>& frames) {
+    const auto path = folder.path() / "frames.rawlog";
+    auto rawlog = RawlogWriter::create(path);
+    for (const DepthFrame& frame : frames) EXPECT_TRUE(rawlog->add(frame, 1e9));
+    return path;
+  }
+
+  /// \param more lines of the configuration
+  std::filesystem::path write_config(const std::string& kind,
+                                     const std::filesystem::path& recording,
+                                     const std::string& part, const std::string& more = "") {
+    return folder.write(
+        kind + "_cell.yaml",
+        fmt::format("cell: {0}\nservers: ['{1}']\nparts: [{{id: {2}}}]\nbudget_ms: 20000\n"
+                    "camera: {{kind: {0}, path: {3}}}\narm: {{path: {0}_arm.jsonl}}\n"
+                    "picks: {0}_picks.jsonl\noverlays: {0}_overlays\n"
+                    "T_base_place: [1, 0, 0, 0.4, 0, -1, 0, 0, 0, 0, -1, 0.1, 0, 0, 0, 1]\n{4}",
+                    kind, shared_->server->data_endpoint, part, recording.string(), more));
+  }
+  Finished agent(const std::filesystem::path& config, const std::string& more = "") const {
+    return run(fmt::format("{} run --config {} --out {} {}", ROBOT_AGENT, config.string(),
+                           folder.path().string(), more));
+  }
+  std::vector<json> lines(const std::string& file) const {
+    std::vector<json> lines;
+    std::ifstream stream(folder.path() / file);
+    for (std::string line; std::getline(stream, line);) lines.push_back(json::parse(line));
+    return lines;
+  }
+  static std::vector<std::string> all(const std::vector<json>& lines, const std::string& key) {
+    std::vector<std::string> values;
+    for (const json& line : lines) values.push_back(line.value(key, "-"));
+    return values;
+  }
+
+  TemporaryFolder folder;
+  struct Shared {
+    TemporaryFolder folder;
+    std::unique_ptr<ServeProcess> server;
+  };
+  static inline Shared* shared_ = nullptr;
+};
+
+TEST_F(AgentTest, PicksUntilTheBinIsEmpty) {
+  const auto bars = three_bars();
+  const auto scene = write_bop({frame_of(bars), frame_of({bars[1], bars[2]}), frame_of({})});
+  const Finished finished = agent(write_config("bop", scene, "bar"));
+  EXPECT_EQ(finished.exit_code, 0) << finished.output;
+  EXPECT_THAT(finished.output, HasSubstr("done, 2 parts placed: BIN_EMPTY"));
+
+  const std::vector<json> picks = lines("bop_picks.jsonl");
+  // What is left has not moved: the server did not register it again.
+  EXPECT_THAT(all(picks, "outcome"), ElementsAre("PLANNED", "UNCHANGED", "BIN_EMPTY"));
+  EXPECT_THAT(all(picks, "verdict"), ElementsAre("PLACED", "PLACED", "-"));
+  const json& first = picks.at(0).at("grasp");
+  EXPECT_EQ(first.at("part"), "bar");
+  EXPECT_NEAR(first.at("T_base_grasp").at(3).get<double>(), -0.12, 0.02) << "its x";
+  EXPECT_NEAR(first.at("T_base_grasp").at(7).get<double>(), 0.07, 0.02) << "and y";
+  EXPECT_GT(first.at("opening_width_m").get<double>(), kBar_m.y());
+
+  const std::vector<json> orders = lines("bop_arm.jsonl");
+  EXPECT_EQ(orders.at(0).at("bin").at("inner_size_m").at(0), 0.4);
+  const auto steps = all(orders, "step");
+  EXPECT_EQ(std::count(steps.begin(), steps.end(), "close"), 2);
+  EXPECT_EQ(steps.back(), "out_of_view");
+  for (const char* picture : {"000000.png", "000001.png", "000002.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "bop_overlays" / picture)) << picture;
+  }
+}
+
+TEST_F(AgentTest, TwoCellsWithDifferentCamerasAndPartsAtTheSameTime) {
+  const CameraIntrinsics other{640, 480, 525, 525, 319.5, 239.5, {}};
+  const auto scene = write_bop({frame_of(three_bars())});
+  const auto rawlog = write_rawlog({frame_of({bar_at(0.08, -0.05, 0.7, kStick_m)}, other)});
+  const auto bars = write_config("bop", scene, "bar");
+  const auto sticks =
+      write_config("rawlog", rawlog, "stick",
+                   "T_base_camera: [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0.75, 0, 0, 0, 1]\n"
+                   "bin: {T_base_bin: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],\n"
+                   "      inner_size_m: [0.4, 0.3, 0.15]}\n");
+  auto first = std::async(std::launch::async, [&] { return agent(bars); });
+  auto second = std::async(std::launch::async, [&] { return agent(sticks); });
+  for (auto* running : {&first, &second}) {
+    const Finished finished = running->get();
+    EXPECT_EQ(finished.exit_code, 0) << finished.output;
+    EXPECT_THAT(finished.output, HasSubstr("no more frames after 1"));
+  }
+  EXPECT_EQ(lines("bop_picks.jsonl").at(0).at("grasp").at("part"), "bar");
+  const json stick = lines("rawlog_picks.jsonl").at(0);
+  EXPECT_EQ(stick.at("objects"), 1);
+  EXPECT_EQ(stick.at("grasp").at("part"), "stick");
+  EXPECT_NEAR(stick.at("grasp").at("T_base_grasp").at(7).get<double>(), 0.05, 0.02);
+}
+
+TEST_F(AgentTest, ABadFrameIsSkippedAndNamed) {
+  DepthFrame covered = frame_of({});
+  std::fill(covered.depth.begin(), covered.depth.end(), std::uint16_t{0});
+  const auto scene = write_bop({covered, frame_of(three_bars())});
+  const Finished finished = agent(write_config("bop", scene, "bar", "retries: {pause_s: 0.01}\n"));
+  EXPECT_EQ(finished.exit_code, 0) << finished.output;
+  EXPECT_THAT(finished.output, HasSubstr("check the camera and its cover"));
+  EXPECT_THAT(all(lines("bop_picks.jsonl"), "code"), ElementsAre("INVALID_ARGUMENT", "OK"));
+}
+
+TEST_F(AgentTest, ATruncatedRawlogGivesItsWholeFramesAndThenSaysWhereItBroke) {
+  // Noise, so that the compressed frames are of one length, and the cut hits the second.
+  DepthFrame frame = frame_of(three_bars());
+  std::minstd_rand noise(1);
+  for (std::uint16_t& z : frame.depth) z = static_cast<std::uint16_t>(z + noise() % 2);
+  const auto rawlog = write_rawlog({frame, frame});
+  std::filesystem::resize_file(rawlog, std::filesystem::file_size(rawlog) * 3 / 4);
+  const Finished finished = agent(write_config("rawlog", rawlog, "bar"));
+  EXPECT_EQ(finished.exit_code, 1) << finished.output;
+  EXPECT_THAT(finished.output,
+              AllOf(HasSubstr(rawlog.string()), HasSubstr("broken after 1 frames")));
+  EXPECT_THAT(lines("rawlog_picks.jsonl"), SizeIs(1));
+}
+
+TEST_F(AgentTest, AServerThatIsNotThereIsNamed) {
+  const auto scene = write_bop({frame_of({}), frame_of({})});
+  const auto config =
+      write_config("bop", scene, "bar", "retries: {max_failures_n: 1, pause_s: 0.01}\n");
+  const Finished finished = agent(config, "--server tcp://127.0.0.1:9");
+  EXPECT_EQ(finished.exit_code, 1);
+  EXPECT_THAT(finished.output, AllOf(HasSubstr("UNAVAILABLE"), HasSubstr("tcp://127.0.0.1:9"),
+                                     HasSubstr("2 failures in a row")));
+  EXPECT_THAT(all(lines("bop_picks.jsonl"), "code"), ElementsAre("UNAVAILABLE", "UNAVAILABLE"));
+}
+
+TEST_F(AgentTest, AnUnknownPartStopsAtOnceAndSaysWhatThereIs) {
+  const auto scene = write_bop({frame_of(three_bars()), frame_of(three_bars())});
+  const Finished finished = agent(write_config("bop", scene, "bolt"));
+  EXPECT_EQ(finished.exit_code, 1);
+  EXPECT_THAT(finished.output, AllOf(HasSubstr("UNKNOWN_PART"), HasSubstr("bolt"), HasSubstr("bar"),
+                                     HasSubstr("stick")));
+  EXPECT_THAT(lines("bop_picks.jsonl"), SizeIs(1));
+}
+
+TEST_F(AgentTest, FaultsInTheConfigurationAreAllNamedWithFileAndLine) {
+  const auto config = folder.write("cell.yaml",
+                                   "cell: a\n"
+                                   "parts: []\n"
+                                   "camera: {kind: stereo, path: nowhere}\n"
+                                   "speed: 3\n");
+  const Finished finished = agent(config);
+  EXPECT_EQ(finished.exit_code, 2);
+  const std::string file = config.string();
+  EXPECT_THAT(finished.output,
+              AllOf(HasSubstr(file + ":2: 'parts' must name at least one part"),
+                    HasSubstr(file + ":3: 'stereo' is no kind of camera; known: bop | rawlog"),
+                    HasSubstr(file + ":4: unknown key 'speed'"), HasSubstr("'T_base_place'")));
+}
+
+TEST_F(AgentTest, ABinBehindTheCameraIsRefusedBeforeAnythingMoves) {
+  const auto scene = write_bop({frame_of({})});
+  const auto config = write_config("bop", scene, "bar",
+                                   "bin: {T_base_bin: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 9, "
+                                   "0, 0, 0, 1], inner_size_m: [0.4, 0.3, 0.15]}\n");
+  const Finished finished = agent(config);
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_THAT(finished.output, HasSubstr("behind the camera"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "bop_arm.jsonl"));
+}
+
+TEST_F(AgentTest, AMissingRecordingIsNamed) {
+  const Finished finished = agent(write_config("rawlog", "/no/such.rawlog", "bar"));
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_THAT(finished.output, HasSubstr("/no/such.rawlog"));
+}
+
+TEST_F(AgentTest, EndsOnSigtermAfterThePickInHand) {
+  const auto rawlog = write_rawlog({frame_of(three_bars())});
+  const auto config = write_config("rawlog", rawlog, "bar");
+  folder.write("rawlog_cell.yaml", [&] {
+    std::ifstream stream(config);
+    std::string text(std::istreambuf_iterator<char>(stream), {});
+    return text.replace(text.find("kind: rawlog"), 12, "loop: true, kind: rawlog");
+  }());
+  // Its first two lines, the header and a pick, show that it runs.
+  const Finished finished =
+      run(fmt::format("cd {2}; mkfifo out; {0} run --config {1} >out 2>log & exec 3<out; "
+                      "read -r line <&3; read -r line <&3; kill -TERM $!; cat <&3; wait $!; "
+                      "code=$?; cat log; exit $code",
+                      ROBOT_AGENT, config.string(), folder.path().string()));
+  EXPECT_EQ(finished.exit_code, 0) << finished.output;
+  EXPECT_THAT(finished.output, HasSubstr("asked to stop"));
+  EXPECT_EQ(lines("rawlog_arm.jsonl").back().at("step"), "out_of_view");
+}
+
+}  // namespace
+}  // namespace graspd::testing
