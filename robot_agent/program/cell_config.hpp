@@ -28,7 +28,7 @@ struct CameraConfig {
 struct CellConfig {
   std::string cell;
   std::vector<std::string> servers{"tcp://127.0.0.1:5555"};
-  std::uint32_t budget_ms = 2000;
+  std::uint32_t budget_ms = 10'000;
   std::vector<RequestedPart> parts;
   CameraConfig camera;
   std::optional<Eigen::Isometry3d> T_base_camera;

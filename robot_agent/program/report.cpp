@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <cmath>
 #include <cstdio>
 
 #include "graspd/overlay/overlay.hpp"
@@ -13,10 +14,13 @@ namespace {
 constexpr double kMillimetresPerMetre = 1e3;
 
 std::string grasp_columns(const agent::ChosenGrasp& chosen) {
-  const Eigen::Vector3d p_base_mm = chosen.grasp.T_base_grasp.translation() * kMillimetresPerMetre;
-  return fmt::format("{:<13} {:>5.0f} {:>5.0f} {:>5.0f}  {:>5.3f}  {:>5.1f}", chosen.part_id,
-                     p_base_mm.x(), p_base_mm.y(), p_base_mm.z(), chosen.grs.grs,
-                     chosen.grasp.opening_width_m * kMillimetresPerMetre);
+  const Eigen::Vector3d p_base_m = chosen.grasp.T_base_grasp.translation();
+  const auto whole_mm = [](double length_m) {
+    return std::lround(length_m * kMillimetresPerMetre);
+  };
+  return fmt::format("{:<13} {:>5} {:>5} {:>5}  {:>5.3f}  {:>5.1f}", chosen.part_id,
+                     whole_mm(p_base_m.x()), whole_mm(p_base_m.y()), whole_mm(p_base_m.z()),
+                     chosen.grs.grs, chosen.grasp.opening_width_m * kMillimetresPerMetre);
 }
 
 }  // namespace

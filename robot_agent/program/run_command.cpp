@@ -1,8 +1,6 @@
 #include <signal.h>
 #include <spdlog/spdlog.h>
 
-#include <cstdio>
-
 #include "cell_config.hpp"
 #include "cell_frames.hpp"
 #include "commands.hpp"
@@ -22,6 +20,7 @@ struct RunArguments {
   std::vector<std::string> servers;
   std::filesystem::path recording;
   std::optional<std::uint32_t> frames_n;
+  bool no_header = false;
 };
 
 volatile sig_atomic_t asked_to_stop = 0;
@@ -102,8 +101,7 @@ Result<int> run_cell(const RunArguments& arguments) {
   agent::PickCycle cycle({**camera, **planner, *arm, *arm, clock}, *task, reporter);
   spdlog::info("{}: planning at {}, replaying {}", config->cell, fmt::join(config->servers, ", "),
                config->camera.path.lexically_normal().string());
-  fmt::print("{}\n", report_header());
-  std::fflush(stdout);
+  if (!arguments.no_header) fmt::print("{}\n", report_header());
   const bool done = pick(config->cell, cycle);
   spdlog::log(done ? spdlog::level::info : spdlog::level::err, "{}: {}, {} parts placed: {}",
               config->cell, done ? "done" : "stopped", reporter.placed_n(), cycle.reason());
@@ -136,6 +134,7 @@ void add_run_command(CLI::App& app) {
   command->add_option("--recording", arguments->recording, "replay this, not the configuration's")
       ->type_name("PATH");
   command->add_option("--frames", arguments->frames_n, "end after so many frames")->type_name("N");
+  command->add_flag("--no-header", arguments->no_header, "where several agents share a terminal");
   command->footer(
       "Prints a line per frame, and writes picks (JSON lines), what the arm was told (JSON lines) "
       "and overlays (PNG).\nSIGTERM and Ctrl-C end it after the pick in hand.\n\n"

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -8,16 +7,17 @@
 #include "graspd/formats/bop.hpp"
 #include "graspd/recordings/rawlog.hpp"
 #include "graspd/replay/replay_camera.hpp"
+#include "temporary_folder.hpp"
 
 /// What every camera that replays a recording must do, run on each kind of recording.
 namespace graspd::replay {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 class TestClock final : public agent::Clock {
  public:
@@ -69,13 +69,10 @@ void cut(const std::filesystem::path& file, double kept_share) {
   std::filesystem::resize_file(file, static_cast<std::uintmax_t>(size * kept_share));
 }
 
-class CameraContract : public testing::TestWithParam<RecordingKind> {
+class CameraContract : public ::testing::TestWithParam<RecordingKind> {
  protected:
-  void SetUp() override { std::filesystem::create_directories(directory_); }
-  void TearDown() override { std::filesystem::remove_all(directory_); }
-
   bool is_bop() const { return GetParam() == RecordingKind::kBop; }
-  std::filesystem::path path() const { return directory_ / (is_bop() ? "000001" : "a.rawlog"); }
+  std::filesystem::path path() const { return folder_.path() / (is_bop() ? "000001" : "a.rawlog"); }
 
   void write(const std::vector<DepthFrame>& frames) {
     is_bop() ? write_bop(path(), frames) : write_rawlog(path(), frames);
@@ -110,9 +107,7 @@ class CameraContract : public testing::TestWithParam<RecordingKind> {
   TestClock clock;
 
  private:
-  std::filesystem::path directory_ =
-      std::filesystem::temp_directory_path() /
-      fmt::format("graspd_camera_{}_{}", getpid(), name_of(GetParam()));
+  testing::TemporaryFolder folder_;
 };
 
 TEST_P(CameraContract, GivesTheFramesAsTheyWereRecorded) {
@@ -250,7 +245,7 @@ TEST_P(CameraContract, ARecordingWithoutFramesIsNoEndlessLoop) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Recordings, CameraContract,
-                         testing::Values(RecordingKind::kBop, RecordingKind::kRawlog),
+                         ::testing::Values(RecordingKind::kBop, RecordingKind::kRawlog),
                          [](const auto& tested) { return std::string(name_of(tested.param)); });
 
 }  // namespace

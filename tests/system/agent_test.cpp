@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 const Eigen::Vector3d kBar_m(0.08, 0.024, 0.02);
-const Eigen::Vector3d kStick_m(0.11, 0.022, 0.022);
+const Eigen::Vector3d kStick_m(0.1, 0.03, 0.02);
 
 class AgentTest : public ::testing::Test {
  protected:
@@ -210,6 +210,30 @@ TEST_F(AgentTest, FaultsInTheConfigurationAreAllNamedWithFileAndLine) {
               AllOf(HasSubstr(file + ":2: 'parts' must name at least one part"),
                     HasSubstr(file + ":3: 'stereo' is no kind of camera; known: bop | rawlog"),
                     HasSubstr(file + ":4: unknown key 'speed'"), HasSubstr("'T_base_place'")));
+}
+
+/// The reference file with every key that it comments out.
+std::string with_every_key(const std::filesystem::path& reference) {
+  std::string text;
+  std::ifstream stream(reference);
+  for (std::string line; std::getline(stream, line);) {
+    const bool is_key = line.size() > 2 && line[0] == '#' && (line[1] != ' ' || line[2] == ' ');
+    text += (is_key && line.find(':') != std::string::npos ? line.substr(1) : line) + "\n";
+  }
+  return text;
+}
+
+TEST_F(AgentTest, TheReferenceConfigurationIsOneWithAndWithoutItsOptionalKeys) {
+  const auto scene = write_bop({frame_of({})});
+  const std::filesystem::path cells = std::filesystem::path(GRASPD_SOURCE_DIR) / "deploy/cells";
+  write_camera(folder, "camera.yaml", kinect_v2(), kHeight_m);
+  const auto full = folder.write("full.yaml", with_every_key(cells / "tees.yaml"));
+  for (const auto& config : {cells / "tees.yaml", cells / "kinect_tees.yaml", full}) {
+    const Finished finished =
+        agent(config, "--server tcp://127.0.0.1:9 --frames 1 --recording " + scene.string());
+    EXPECT_EQ(finished.exit_code, 1);
+    EXPECT_THAT(finished.output, HasSubstr("no server answers at tcp://127.0.0.1:9"));
+  }
 }
 
 TEST_F(AgentTest, ABinBehindTheCameraIsRefusedBeforeAnythingMoves) {

@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -7,21 +5,19 @@
 #include "graspd/record/pick_json.hpp"
 #include "graspd/record/recording_arm.hpp"
 #include "pick_cycle_fixture.hpp"
+#include "temporary_folder.hpp"
 
 namespace graspd::record {
 namespace {
 
 using nlohmann::json;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
 
 class RecordsTest : public agent::PickCycleTest {
  protected:
-  void SetUp() override { std::filesystem::create_directories(directory_); }
-  void TearDown() override { std::filesystem::remove_all(directory_); }
-
-  std::filesystem::path arm_path() const { return directory_ / "cell" / "arm.jsonl"; }
+  std::filesystem::path arm_path() const { return folder_.path() / "cell" / "arm.jsonl"; }
 
   static std::vector<json> read_lines(const std::filesystem::path& path) {
     std::vector<json> lines;
@@ -31,8 +27,7 @@ class RecordsTest : public agent::PickCycleTest {
   }
 
  private:
-  std::filesystem::path directory_ =
-      std::filesystem::temp_directory_path() / fmt::format("graspd_records_{}", getpid());
+  testing::TemporaryFolder folder_;
 };
 
 TEST_F(RecordsTest, TheArmWritesDownTheFramesAndThenWhatItIsTold) {

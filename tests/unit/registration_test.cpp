@@ -74,13 +74,18 @@ TEST_P(EveryRegistration, FindsThePoseOfAWholePart) {
           (T_camera_part.linear() * point.normal.cast<double>()).cast<float>());
       segment.curvatures.push_back(0);
     }
-    const auto found = method(segment, 0);
-    if (!found) continue;
-    EXPECT_NEAR(found->linear().determinant(), 1, 1e-6) << "a rotation";
-    const Eigen::Isometry3d error = T_camera_part.inverse() * *found;
-    right_n +=
-        error.translation().norm() < 0.003 && Eigen::AngleAxisd(error.linear()).angle() < 0.05;
-    EXPECT_TRUE(method(segment, 0)->isApprox(*found, 0)) << "the same, whenever it is asked";
+    const std::vector<Eigen::Isometry3d> found = method(segment, 0);
+    const auto is_right = [&](const Eigen::Isometry3d& pose) {
+      EXPECT_NEAR(pose.linear().determinant(), 1, 1e-6) << "a rotation";
+      const Eigen::Isometry3d error = T_camera_part.inverse() * pose;
+      return error.translation().norm() < 0.003 && Eigen::AngleAxisd(error.linear()).angle() < 0.05;
+    };
+    right_n += std::any_of(found.begin(), found.end(), is_right);
+    const std::vector<Eigen::Isometry3d> again = method(segment, 0);
+    ASSERT_EQ(again.size(), found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(again[i].matrix(), found[i].matrix()) << "the same, whenever it is asked";
+    }
   }
   // SAC-IA draws at random and may miss; the others start from all four PCA alignments.
   EXPECT_GE(right_n, GetParam() == Registration::kSacIaIcp ? 3 : kRounds);
@@ -93,7 +98,7 @@ TEST_P(EveryRegistration, OfTooFewPointsIsNone) {
   segment.points_m = {{0, 0, 1}, {0, 0.01f, 1}, {0.01f, 0, 1}};
   segment.normals.assign(3, -Vector3f::UnitZ());
   segment.curvatures.assign(3, 0);
-  EXPECT_FALSE(registration_method(GetParam(), parts, {})(segment, 0));
+  EXPECT_TRUE(registration_method(GetParam(), parts, {})(segment, 0).empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(Names, EveryRegistration,

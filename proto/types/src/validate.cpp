@@ -197,6 +197,10 @@ Result<void> validate(const PlanRequest& request) {
   if (!request.options.strategy_vector_base_m.allFinite()) {
     return invalid("options.strategy_vector_base_m: not finite");
   }
+  if (request.options.strategy == Strategy::kPreferredApproach &&
+      request.options.strategy_vector_base_m.norm() < 1e-6) {
+    return invalid("options.strategy_vector_base_m: preferred_approach needs a direction; it is 0");
+  }
   return validate_memory(request);
 }
 

@@ -10,11 +10,8 @@ namespace {
 constexpr double kGravity_m_s2 = 9.81;
 constexpr double kWall_m = 0.05;   // thick, so that nothing is pushed through
 constexpr double kTable_m = 4;     // what falls beside the bin lies there
-constexpr int kSolverIterations = 20;
-
-Eigen::Vector3d to_metres(const btVector3& v) {
-  return Eigen::Vector3d(v.x(), v.y(), v.z()) / kScale;
-}
+constexpr int kSolverIterations = 30;
+constexpr double kRollingFriction = 0.01;
 
 /// A hull drawn in by Bullet's collision margin, which then brings it back to its true size.
 std::unique_ptr<btConvexHullShape> make_hull(const ConvexPiece& piece,
@@ -29,7 +26,6 @@ std::unique_ptr<btConvexHullShape> make_hull(const ConvexPiece& piece,
   for (int i = 0; i < hull.vertices.size(); ++i) shape->addPoint(hull.vertices[i], false);
   shape->recalcLocalAabb();
   shape->setMargin(margin);
-  if(getenv("POLY"))shape->initializePolyhedralFeatures();
   return shape;
 }
 
@@ -49,6 +45,7 @@ PartShape make_part_shape(const parts::Mesh& mesh, const ConvexPiecesOptions& op
     shape.pieces.push_back(make_hull(piece, shape.centre_of_mass_m));
     shape.compound->addChildShape(btTransform::getIdentity(), shape.pieces.back().get());
   }
+  // A balanced tree of the pieces: a tenth less time per step.
   shape.compound->getDynamicAabbTree()->optimizeTopDown();
   return shape;
 }
@@ -58,11 +55,9 @@ BulletWorld::BulletWorld(const Eigen::Vector3d& bin_inner_size_m, double frictio
     : friction_(friction), restitution_(restitution) {
   world_.setGravity(to_bullet({0, 0, -kGravity_m_s2}));
   world_.getSolverInfo().m_numIterations = kSolverIterations;
-  if(getenv("IT"))world_.getSolverInfo().m_numIterations=atoi(getenv("IT"));
-  if(getenv("SI"))world_.getSolverInfo().m_splitImpulsePenetrationThreshold=btScalar(-atof(getenv("SI")));
-  if(getenv("SLOP"))world_.getSolverInfo().m_linearSlop=btScalar(atof(getenv("SLOP")));
-  if(getenv("WS"))world_.getSolverInfo().m_warmstartingFactor=btScalar(atof(getenv("WS")));
-  if(!getenv("F1"))world_.getSolverInfo().m_solverMode|=SOLVER_USE_2_FRICTION_DIRECTIONS;
+  // Overlap is undone by moving bodies apart, never by speeding them up: piles come to rest.
+  world_.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
+  world_.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   const Eigen::Vector3d& size = bin_inner_size_m;
   add_wall({0, 0, -kWall_m / 2}, {kTable_m, kTable_m, kWall_m});
   for (const double side : {-1.0, 1.0}) {
@@ -93,13 +88,14 @@ btRigidBody* BulletWorld::add_body(btCollisionShape* shape, double mass_kg) {
   btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass_kg), nullptr, shape, inertia);
   info.m_friction = btScalar(friction_);
   info.m_restitution = btScalar(restitution_);
-  {info.m_rollingFriction=btScalar(atof(getenv("RF")?getenv("RF"):".01"));info.m_spinningFriction=info.m_rollingFriction;}
+  // Without it a round part rocks between the edges of its hull for ever.
+  info.m_rollingFriction = btScalar(kRollingFriction);
+  info.m_spinningFriction = btScalar(kRollingFriction);
   bodies_.push_back(std::make_unique<btRigidBody>(info));
   btRigidBody* body = bodies_.back().get();
   // Sleeping bodies would be "still" without being at rest.
   body->setActivationState(DISABLE_DEACTIVATION);
   world_.addRigidBody(body);
-  if(getenv("ANCH"))body->setCollisionFlags(body->getCollisionFlags()|btCollisionObject::CF_HAS_FRICTION_ANCHOR);
   return body;
 }
 

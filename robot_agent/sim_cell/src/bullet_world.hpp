@@ -68,4 +68,8 @@ inline btVector3 to_bullet(const Eigen::Vector3d& v_m) {
   return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())};
 }
 
+inline Eigen::Vector3d to_metres(const btVector3& v) {
+  return Eigen::Vector3d(v.x(), v.y(), v.z()) / kScale;
+}
+
 }  // namespace graspd::sim_cell

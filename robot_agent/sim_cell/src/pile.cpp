@@ -13,7 +13,7 @@ namespace {
 
 /// Many-cornered hulls rattle on and on: while a pile settles, the air thickens. The share of its
 /// speed that a part keeps over a second falls by a factor of ten in each such time.
-constexpr double kThickening_s = 0.4;
+constexpr double kThickening_s = 0.3;
 constexpr double kThickest = 5;
 constexpr double kAirDamping = 0.05;
 constexpr double kDropGap_m = 0.005;
@@ -95,7 +95,7 @@ class Drop {
   }
 
  private:
-  /// Puts a part above everything, turned at random, and lets it fall for a moment.
+  /// Puts a part above all that is below it, turned at random, and lets it fall for a moment.
   void release(const Body& body, std::size_t index) {
     const PartShape& shape = shapes_[body.kind];
     const auto across_m = [&](double inner_m) {
@@ -104,21 +104,27 @@ class Drop {
     };
     Eigen::Isometry3d T_bin_part = Eigen::Isometry3d::Identity();
     T_bin_part.linear() = random_.rotation().toRotationMatrix();
-    const Eigen::Vector3d centre_m(across_m(inner_m_.x()), across_m(inner_m_.y()),
-                                   highest_point_m(index) + kDropGap_m + shape.radius_m);
+    Eigen::Vector3d centre_m(across_m(inner_m_.x()), across_m(inner_m_.y()), 0);
+    centre_m.z() = highest_point_m(centre_m, shape.radius_m, index) + kDropGap_m + shape.radius_m;
     T_bin_part.translation() = centre_m - T_bin_part.linear() * shape.centre_of_mass_m;
     place(*body.body, shape, T_bin_part, {0, 0, -options_.drop_speed_m_s});
     const double until_s = pile_.simulated_s + options_.drop_every_s;
     while (pile_.simulated_s < until_s) step();
   }
 
-  double highest_point_m(std::size_t except) const {
+  /// Of all parts but one within a vertical cylinder.
+  double highest_point_m(const Eigen::Vector3d& axis_m, double radius_m,
+                         std::size_t except) const {
     double highest_m = 0;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       if (i == except) continue;
       btVector3 low, high;
       bodies_[i].body->getAabb(low, high);
-      highest_m = std::max(highest_m, double(high.z()) / kScale);
+      const Eigen::AlignedBox3d box(to_metres(low), to_metres(high));
+      const Eigen::Vector3d nearest_m = axis_m.cwiseMax(box.min()).cwiseMin(box.max());
+      if ((nearest_m - axis_m).head<2>().norm() < radius_m) {
+        highest_m = std::max(highest_m, box.max().z());
+      }
     }
     return highest_m;
   }

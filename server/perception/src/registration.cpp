@@ -32,13 +32,13 @@ SegmentResult register_segment(const DepthFrame& frame, const Cloud& segment,
                                const RegistrationMethod& method, double tolerance_m) {
   SegmentResult result;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const auto T_camera_part = method(segment, i);
-    if (!T_camera_part) continue;
-    ++result.hypotheses_n;
-    const Evidence evidence = evaluate_pose(frame, *parts[i], *T_camera_part, tolerance_m);
-    if (result.best && result.best->evidence.score >= evidence.score) continue;
-    result.best = {parts[i], *T_camera_part, evidence,
-                   principal_frame(segment.points_m).centroid_m};
+    for (const Eigen::Isometry3d& T_camera_part : method(segment, i)) {
+      ++result.hypotheses_n;
+      const Evidence evidence = evaluate_pose(frame, *parts[i], T_camera_part, tolerance_m);
+      if (result.best && result.best->evidence.score >= evidence.score) continue;
+      result.best = {parts[i], T_camera_part, evidence,
+                     principal_frame(segment.points_m).centroid_m};
+    }
   }
   return result;
 }

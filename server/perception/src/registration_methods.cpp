@@ -5,7 +5,9 @@
 #include <pcl/registration/ndt.h>
 #include <pcl/search/kdtree.h>
 
+#include <cmath>
 #include <cstdlib>
+#include <map>
 #include <memory>
 #include <mutex>
 
@@ -38,13 +40,67 @@ struct Template {
 };
 using Templates = std::shared_ptr<const std::vector<Template>>;
 
+/// How often a surface point that faces one of `directions` is seen from there: not where the part
+/// itself stands in between. A coarse z-buffer of the points decides.
+std::vector<double> shares_seen(const parts::Part& part,
+                                std::span<const Eigen::Vector3f> directions) {
+  constexpr float kCell_m = 0.003f;
+  constexpr float kBehind_m = 0.003f;
+  std::vector<int> facing_n(part.surface.size());
+  std::vector<int> seen_n(part.surface.size());
+  for (const Eigen::Vector3f& towards : directions) {
+    const Eigen::Vector3f right = towards.unitOrthogonal();
+    const Eigen::Vector3f down = towards.cross(right);
+    const auto cell_of = [&](const Eigen::Vector3f& p) {
+      return std::pair(std::lround(p.dot(right) / kCell_m), std::lround(p.dot(down) / kCell_m));
+    };
+    std::map<std::pair<long, long>, float> nearest_m;
+    for (const auto& point : part.surface) {
+      const float height_m = point.position_m.dot(towards);
+      const auto [entry, is_new] = nearest_m.emplace(cell_of(point.position_m), height_m);
+      if (!is_new) entry->second = std::max(entry->second, height_m);
+    }
+    for (std::size_t i = 0; i < part.surface.size(); ++i) {
+      const auto& point = part.surface[i];
+      if (point.normal.dot(towards) < 0.3f) continue;
+      ++facing_n[i];
+      seen_n[i] += point.position_m.dot(towards) > nearest_m[cell_of(point.position_m)] - kBehind_m;
+    }
+  }
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < facing_n.size(); ++i) {
+    shares.push_back(facing_n[i] == 0 ? 0 : static_cast<double>(seen_n[i]) / facing_n[i]);
+  }
+  return shares;
+}
+
+/// The points that are seen from at least half of the directions they face: the outside. The bore
+/// of a pipe lies a wall's thickness below and would draw the points of the outside towards it.
+Cloud outside_of(const parts::Part& part) {
+  // Fibonacci lattice on the sphere.
+  constexpr int kDirections = 64;
+  const double golden_rad = M_PI * (3 - std::sqrt(5.0));
+  std::vector<Eigen::Vector3f> directions;
+  for (int i = 0; i < kDirections; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kDirections;
+    const double r = std::sqrt(1 - z * z);
+    directions.push_back(
+        Eigen::Vector3d(r * std::cos(golden_rad * i), r * std::sin(golden_rad * i), z)
+            .cast<float>());
+  }
+  const std::vector<double> shares = shares_seen(part, directions);
+  Cloud outside;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (shares[i] >= 0.5) outside.points_m.push_back(part.surface[i].position_m);
+  }
+  return outside;
+}
+
 Templates make_templates(std::span<const parts::Part* const> parts) {
   auto templates = std::make_shared<std::vector<Template>>();
   for (const parts::Part* part : parts) {
     Template& made = templates->emplace_back();
-    Cloud surface;
-    for (const auto& point : part->surface) surface.points_m.push_back(point.position_m);
-    made.cloud = voxel_grid(surface, kTemplateSpacing_m);
+    made.cloud = voxel_grid(outside_of(*part), kTemplateSpacing_m);
     made.points = to_pcl(made.cloud);
     made.tree->setInputCloud(made.points);
     made.frame = principal_frame(made.cloud.points_m);
@@ -52,16 +108,19 @@ Templates make_templates(std::span<const parts::Part* const> parts) {
   return templates;
 }
 
-struct Alignment {
-  Eigen::Matrix4f T_part_camera = Eigen::Matrix4f::Identity();
-  double residual_m2 = std::numeric_limits<double>::max();  ///< mean of ‖p − Tq‖²
-};
+Eigen::Isometry3d pose_of(const Eigen::Matrix4f& T_part_camera) {
+  Eigen::Isometry3d T;
+  T.matrix() = T_part_camera.cast<double>();
+  // Thousands of float products drift: back to the nearest rotation.
+  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
+  return T.inverse();
+}
 
 /// Aligns the segment, which shows one side only, to the whole template, so that every point of the
 /// segment finds its partner. A fresh object per call: PCL's keeps state between calls.
-std::optional<Alignment> icp(const Points::Ptr& segment, const Template& model,
-                             const Eigen::Matrix4f& T_part_camera,
-                             const RegistrationParameters& parameters) {
+std::optional<Eigen::Isometry3d> icp(const Points::Ptr& segment, const Template& model,
+                                     const Eigen::Matrix4f& T_part_camera,
+                                     const RegistrationParameters& parameters) {
   pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> registration;
   registration.setInputSource(segment);
   registration.setInputTarget(model.points);
@@ -72,7 +131,7 @@ std::optional<Alignment> icp(const Points::Ptr& segment, const Template& model,
   Points aligned;
   registration.align(aligned, T_part_camera);
   if (!registration.hasConverged()) return std::nullopt;
-  return Alignment{registration.getFinalTransformation(), registration.getFitnessScore()};
+  return pose_of(registration.getFinalTransformation());
 }
 
 /// PCA leaves the axes' signs open: the four proper choices.
@@ -89,29 +148,20 @@ std::vector<Eigen::Matrix4f> pca_alignments(const Cloud& segment, const Template
   return alignments;
 }
 
-Eigen::Isometry3d pose_of(const Alignment& alignment) {
-  Eigen::Isometry3d T_part_camera;
-  T_part_camera.matrix() = alignment.T_part_camera.cast<double>();
-  // Thousands of float products drift: back to the nearest rotation.
-  T_part_camera.linear() =
-      Eigen::Quaterniond(T_part_camera.linear()).normalized().toRotationMatrix();
-  return T_part_camera.inverse();
-}
-
-/// The best of ICP's results over several starts.
+/// ICP from each PCA alignment, after `coarse` has made it better.
 template <class Coarse>
-std::optional<Eigen::Isometry3d> best_of_starts(const Cloud& segment, const Template& model,
-                                                const RegistrationParameters& parameters,
-                                                Coarse coarse) {
-  if (segment.size() < kMinSegmentPoints) return std::nullopt;
+std::vector<Eigen::Isometry3d> from_pca_alignments(const Cloud& segment, const Template& model,
+                                                   const RegistrationParameters& parameters,
+                                                   Coarse coarse) {
+  std::vector<Eigen::Isometry3d> poses;
+  if (segment.size() < kMinSegmentPoints) return poses;
   const Points::Ptr points = to_pcl(segment);
-  Alignment best;
   for (const Eigen::Matrix4f& start : pca_alignments(segment, model)) {
-    const auto alignment = icp(points, model, coarse(points, start), parameters);
-    if (alignment && alignment->residual_m2 < best.residual_m2) best = *alignment;
+    if (const auto pose = icp(points, model, coarse(points, start), parameters)) {
+      poses.push_back(*pose);
+    }
   }
-  if (best.residual_m2 == std::numeric_limits<double>::max()) return std::nullopt;
-  return pose_of(best);
+  return poses;
 }
 
 Eigen::Matrix4f ndt(const Points::Ptr& segment, const Template& model, const Eigen::Matrix4f& start,
@@ -180,8 +230,9 @@ Eigen::Matrix4f sac_ia(const Points::Ptr& segment, const Features::Ptr& segment_
 RegistrationMethod pca_icp(std::span<const parts::Part* const> parts,
                            const RegistrationParameters& parameters) {
   return [templates = make_templates(parts), parameters](const Cloud& segment, std::size_t part) {
-    return best_of_starts(segment, (*templates)[part], parameters,
-                          [](const Points::Ptr&, const Eigen::Matrix4f& start) { return start; });
+    return from_pca_alignments(
+        segment, (*templates)[part], parameters,
+        [](const Points::Ptr&, const Eigen::Matrix4f& start) { return start; });
   };
 }
 
@@ -189,10 +240,10 @@ RegistrationMethod ndt_icp(std::span<const parts::Part* const> parts,
                            const RegistrationParameters& parameters) {
   return [templates = make_templates(parts), parameters](const Cloud& segment, std::size_t part) {
     const Template& model = (*templates)[part];
-    return best_of_starts(segment, model, parameters,
-                          [&](const Points::Ptr& points, const Eigen::Matrix4f& start) {
-                            return ndt(points, model, start, parameters);
-                          });
+    return from_pca_alignments(segment, model, parameters,
+                               [&](const Points::Ptr& points, const Eigen::Matrix4f& start) {
+                                 return ndt(points, model, start, parameters);
+                               });
   };
 }
 
@@ -206,14 +257,14 @@ RegistrationMethod sac_ia_icp(std::span<const parts::Part* const> parts,
     features->push_back(fpfh(cloud, (*templates)[i].points, parameters));
   }
   return [templates, features, parameters](const Cloud& segment,
-                                           std::size_t part) -> std::optional<Eigen::Isometry3d> {
-    if (segment.size() < kMinSegmentPoints) return std::nullopt;
+                                           std::size_t part) -> std::vector<Eigen::Isometry3d> {
+    if (segment.size() < kMinSegmentPoints) return {};
     const Points::Ptr points = to_pcl(segment);
     const Eigen::Matrix4f coarse = sac_ia(points, fpfh(segment, points, parameters),
                                           (*templates)[part], (*features)[part], parameters);
-    const auto alignment = icp(points, (*templates)[part], coarse, parameters);
-    if (!alignment) return std::nullopt;
-    return pose_of(*alignment);
+    const auto pose = icp(points, (*templates)[part], coarse, parameters);
+    if (!pose) return {};
+    return {*pose};
   };
 }
 

@@ -15,8 +15,7 @@ namespace graspd::codec {
 using Bytes = std::span<const std::byte>;
 
 /// The same message is always the same bytes. Takes what it is given: a request that `validate`
-/// refuses is refused by the server, and so is one above kMaxRequestEnvelope_bytes, which a
-/// last_plan of more than about 110 objects is.
+/// refuses is refused by the server.
 std::string encode_request(const Request& request);
 /// Checks sizes before parsing, the protocol version, every enumeration, count, number and pose.
 /// \returns INVALID_ARGUMENT or UNSUPPORTED_VERSION, with the field's name, its value, and what

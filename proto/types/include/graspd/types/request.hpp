@@ -148,7 +148,7 @@ struct PlanRequest {
 };
 
 inline constexpr std::size_t kMaxPartsPerRequest = 32;
-inline constexpr std::size_t kMaxLastObjects = 512;
+inline constexpr std::size_t kMaxLastObjects = 100;
 inline constexpr std::size_t kMaxFailedSpots = 256;
 
 /// Finite numbers, proper rotations, positive sizes, list lengths, a bin in front of the camera.

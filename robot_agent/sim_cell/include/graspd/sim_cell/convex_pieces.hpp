@@ -14,7 +14,7 @@ struct ConvexPiece {
 };
 
 struct ConvexPiecesOptions {
-  int max_pieces_n = 24;
+  int max_pieces_n = 20;
   /// No further cut once the pieces' volume is within this share of the solid's.
   double max_excess = 0.05;
 };

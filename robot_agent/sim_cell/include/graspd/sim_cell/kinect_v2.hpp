@@ -25,8 +25,8 @@ struct KinectV2Parameters {
   double multipath_reach_m = 0.06;
   double offset_m = 0;  ///< of this device, up to 24 mm either way
   /// Surfaces flatter to the ray than this lose their reading more and more often.
-  double grazing_from_rad = 1.22;
-  double dropout_at_grazing = 0.8;
+  double grazing_from_rad = 1.4;
+  double dropout_at_grazing = 0.5;
   double dropout_share = 0.002;        ///< of any pixel
   double glare_half_angle_rad = 0.12;  ///< a glossy surface seen straight on blinds the pixel
   double edge_filter_m = 0.1;  ///< libfreenect2 zeroes a pixel whose 3 × 3 span more than this

@@ -24,19 +24,19 @@ struct PrincipalFrame {
 /// \param points_m at least one; the axes are right-handed.
 PrincipalFrame principal_frame(std::span<const Eigen::Vector3f> points_m);
 
-/// A registration method, ready for a list of parts: T_camera_part of part `part` of that list in
-/// one segment, or nothing where the method gives none. May be called from several threads.
+/// A registration method, ready for a list of parts: the poses T_camera_part that part `part` of
+/// that list may have in one segment, or none. May be called from several threads.
 using RegistrationMethod =
-    std::function<std::optional<Eigen::Isometry3d>(const Cloud& segment, std::size_t part)>;
+    std::function<std::vector<Eigen::Isometry3d>(const Cloud& segment, std::size_t part)>;
 
 /// The paper's: PCA alignment of segment and model, then point-to-point ICP minimising Σ‖p − Tq‖²,
-/// from each of the four sign choices of the axes; the least residual wins.
+/// from each of the four sign choices that PCA leaves open.
 RegistrationMethod pca_icp(std::span<const parts::Part* const> parts,
                            const RegistrationParameters& parameters);
 /// PCL's SAC-IA over FPFH features, then ICP.
 RegistrationMethod sac_ia_icp(std::span<const parts::Part* const> parts,
                               const RegistrationParameters& parameters);
-/// PCL's NDT from the PCA alignments, then ICP.
+/// PCL's NDT from the four PCA alignments, then ICP.
 RegistrationMethod ndt_icp(std::span<const parts::Part* const> parts,
                            const RegistrationParameters& parameters);
 
@@ -57,7 +57,7 @@ struct RegistrationResult {
   std::uint32_t rejected_score_n = 0;
 };
 
-/// Registers every part in every segment, keeps the part that the depth image supports best, drops
+/// Registers every part in every segment, keeps the pose that the depth image supports best, drops
 /// poses below `min_score`, poses that reach through the floor by more than `max_below_floor_m` and
 /// poses of a place that is taken by a better one.
 /// Works on the segments in parallel, within the caller's TBB arena.

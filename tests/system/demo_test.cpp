@@ -1,0 +1,42 @@
+#include <gmock/gmock.h>
+
+#include <regex>
+
+#include "serve_process.hpp"
+#include "temporary_folder.hpp"
+
+/// deploy/demo, as `./run demo` calls it.
+namespace graspd::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+Finished demo(const std::string& environment) {
+  return run(
+      fmt::format("GRASPD_REAL_DATA=/nowhere {} {}/deploy/demo", environment, GRASPD_SOURCE_DIR));
+}
+
+TEST(DemoTest, ServesTwoCellsAndSaysWhereThePicturesAre) {
+  const TemporaryFolder folder;
+  const Finished finished = demo(fmt::format("OUT={} BIN={}", folder.path().string(), PROGRAMS));
+  ASSERT_EQ(finished.exit_code, 0) << finished.output;
+  for (const std::string cell : {"tees", "elbows"}) {
+    const std::regex frame_line("\n" + cell + R"( +\d+  [A-Z_]+ )");
+    const std::sregex_iterator lines(finished.output.begin(), finished.output.end(), frame_line);
+    EXPECT_EQ(std::distance(lines, {}), 4) << cell << ":\n" << finished.output;
+    const auto picture = folder.path() / "overlays" / cell / "000000.png";
+    EXPECT_TRUE(std::filesystem::exists(picture));
+    EXPECT_THAT(finished.output, HasSubstr(picture.string()));
+    EXPECT_THAT(finished.output, HasSubstr("Cell " + cell + ", frame 0: ranked grasps"));
+  }
+}
+
+TEST(DemoTest, SaysWhatToDoWhereTheProgramsAreMissing) {
+  const TemporaryFolder folder;
+  const Finished finished = demo(fmt::format("OUT={0} BIN={0}", folder.path().string()));
+  EXPECT_EQ(finished.exit_code, 1);
+  EXPECT_THAT(finished.output, HasSubstr("./run build"));
+}
+
+}  // namespace
+}  // namespace graspd::testing
