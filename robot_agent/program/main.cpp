@@ -1,6 +1,8 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdio>
+
 #include "commands.hpp"
 #include "exit_codes.hpp"
 
@@ -14,9 +16,7 @@ void set_up_log(const std::string& level) {
   spdlog::set_level(spdlog::level::from_str(level));
 }
 
-}  // namespace
-
-int main(int count, char** words) {
+int run_program(int count, char** words) {
   CLI::App app(
       "The agent of one robot cell: sends its depth frames to a grasp server and carries out the "
       "grasps that come back.",
@@ -28,7 +28,7 @@ int main(int count, char** words) {
   std::string log_level = "info";
   app.add_option("--log-level", log_level, "what is logged to stderr")
       ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
-      ->type_name("debug|info|warning|error|off")
+      ->type_name("LEVEL")
       ->capture_default_str();
   app.parse_complete_callback([&] { set_up_log(log_level); });
   add_run_command(app);
@@ -39,9 +39,17 @@ int main(int count, char** words) {
     return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitDone : kExitWrongInput;
-  } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
-    return kExitStopped;
   }
   return kExitDone;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  try {
+    return run_program(count, words);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error %s\n", error.what());
+    return kExitStopped;
+  }
 }

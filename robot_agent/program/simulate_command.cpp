@@ -97,10 +97,9 @@ Result<sim_cell::SceneReport> simulate_into(const SimulateArguments& arguments) 
   if (!scene) return tl::unexpected(scene.error());
   const auto catalogue = parts::Catalogue::load(arguments.catalogue);
   if (!catalogue) return tl::unexpected(catalogue.error());
-  const auto report =
-      sim_cell::simulate_scene(*catalogue, *scene, arguments.output, [&](int frame_n) {
-        spdlog::info("{}: frame {} of {}", arguments.output.string(), frame_n, scene->frames_n);
-      });
+  auto report = sim_cell::simulate_scene(*catalogue, *scene, arguments.output, [&](int frame_n) {
+    spdlog::info("{}: frame {} of {}", arguments.output.string(), frame_n, scene->frames_n);
+  });
   if (!report) return report;
   if (auto ok = write_cell_files(arguments.output); !ok) return tl::unexpected(ok.error());
   return report;

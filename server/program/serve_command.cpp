@@ -93,7 +93,7 @@ service::Log make_log(service::LogLevel least) {
 /// The configuration that workers read: what is in force here, even if the file changes meanwhile.
 std::filesystem::path write_effective_config(const service::ServerConfig& config,
                                              const std::filesystem::path& folder) {
-  const std::filesystem::path path = folder / "server.yaml";
+  std::filesystem::path path = folder / "server.yaml";
   std::ofstream file(path);
   file << service::to_yaml(config) << std::flush;
   if (!file) throw std::runtime_error(fmt::format("{}: can't be written", path.string()));

@@ -36,7 +36,7 @@ inline Finished run(const std::string& command) {
   return finished;
 }
 
-/// `grasp_server serve …` on free ports; killed at the end, if it still runs.
+/// `grasp_server serve …` on free ports; ended at the end, if it still runs.
 class ServeProcess {
  public:
   explicit ServeProcess(std::vector<std::string> arguments) {
@@ -60,7 +60,8 @@ class ServeProcess {
   }
   ~ServeProcess() {
     if (!reaped_) {
-      kill(SIGKILL);
+      kill(SIGTERM);
+      kill(SIGINT);  // the second signal: at once
       wait();
     }
     close(output_);

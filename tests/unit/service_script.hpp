@@ -14,8 +14,8 @@
 /// that they start.
 namespace graspd::service {
 
-inline const std::vector<std::string> kScriptedParts{"crash",  "echo",    "hang",  "large",
-                                                     "larger", "largest", "other", "throw"};
+inline const std::vector<std::string> kScriptedParts{
+    "crash", "echo", "hang", "hungry", "large", "larger", "largest", "other", "throw"};
 inline const ServerInfo kScriptedServer{"scripted", "catalogue", "config"};
 
 /// About `bytes` of outline on the wire, for what clients ask for on top.
@@ -34,6 +34,7 @@ inline Result<PlanAnswer> scripted_plan(const DepthFrame& frame, const PlanReque
   PlanAnswer answer;
   if (script == "crash") std::raise(SIGKILL);
   while (script == "hang") pause();
+  if (script == "hungry") answer.reason = std::to_string(std::vector<char>(1U << 30).size());
   if (script == "throw") throw std::runtime_error("the script says so");
   // What the request was, so that an answer to another one shows.
   answer.funnel.pixels_n =

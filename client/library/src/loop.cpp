@@ -21,6 +21,7 @@ constexpr milliseconds kLongestSleep{1000};
 std::vector<ServerLink> connect(zmq::context_t& context,
                                 const std::vector<std::string>& endpoints) {
   std::vector<ServerLink> links;
+  links.reserve(endpoints.size());
   for (const std::string& endpoint : endpoints) links.emplace_back(context, endpoint, links.size());
   return links;
 }

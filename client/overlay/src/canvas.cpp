@@ -12,6 +12,7 @@ const Color kRim{0, 0, 0};
 
 std::vector<cv::Point> fixed_point(const std::vector<cv::Point2d>& points) {
   std::vector<cv::Point> fixed;
+  fixed.reserve(points.size());
   for (const cv::Point2d& point : points) {
     fixed.emplace_back(cvRound(point.x * (1 << kShift)), cvRound(point.y * (1 << kShift)));
   }

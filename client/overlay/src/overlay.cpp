@@ -137,7 +137,7 @@ std::vector<std::string> wrap(const std::string& text, int width_px) {
   while (begin < text.size()) {
     const std::size_t end = std::min(text.find(' ', begin), text.size());
     const std::string word = text.substr(begin, end - begin);
-    const std::string longer = line.empty() ? word : line + " " + word;
+    const std::string longer = line.empty() ? word : fmt::format("{} {}", line, word);
     if (!line.empty() && text_width_px(longer, kText_px) > width_px) {
       lines.push_back(line);
       line = word;

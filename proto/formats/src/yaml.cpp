@@ -8,6 +8,7 @@ namespace graspd {
 YamlDocument::YamlDocument(std::filesystem::path path) : path_(std::move(path)) {
   try {
     node_ = YAML::LoadFile(path_.string());
+    readable_ = true;
   } catch (const YAML::BadFile&) {
     faults_.push_back(fmt::format("{}: can't be read; is the path right?", path_.string()));
   } catch (const YAML::ParserException& e) {
@@ -78,6 +79,7 @@ std::vector<YamlMap> YamlMap::list_of_maps(std::string_view key) {
 }
 
 void YamlMap::fault(std::string_view key, const std::string& sentence) {
+  if (!document_->readable_) return;  // that is the one fault to report
   document_->faults_.push_back(place(key) + ": " + sentence);
 }
 

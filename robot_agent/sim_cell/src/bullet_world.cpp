@@ -8,8 +8,8 @@ namespace graspd::sim_cell {
 namespace {
 
 constexpr double kGravity_m_s2 = 9.81;
-constexpr double kWall_m = 0.05;   // thick, so that nothing is pushed through
-constexpr double kTable_m = 4;     // what falls beside the bin lies there
+constexpr double kWall_m = 0.05;  // thick, so that nothing is pushed through
+constexpr double kTable_m = 4;    // what falls beside the bin lies there
 constexpr int kSolverIterations = 30;
 constexpr double kRollingFriction = 0.01;
 
@@ -118,9 +118,8 @@ double BulletWorld::deepest_penetration_m() const {
 Eigen::Isometry3d pose_of(const btRigidBody& body, const PartShape& shape) {
   const btTransform& T = body.getWorldTransform();
   const btQuaternion q = T.getRotation();
-  Eigen::Isometry3d T_bin_part =
-      Eigen::Translation3d(to_metres(T.getOrigin())) *
-      Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
+  Eigen::Isometry3d T_bin_part = Eigen::Translation3d(to_metres(T.getOrigin())) *
+                                 Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
   return T_bin_part * Eigen::Translation3d(-shape.centre_of_mass_m);
 }
 

@@ -38,8 +38,8 @@ std::vector<Eigen::Vector3d> distinct_vertices(const Polygons& surface, double g
   std::vector<std::array<long, 3>> cells;
   for (const Polygon& polygon : surface) {
     for (const Eigen::Vector3d& p : polygon) {
-      cells.push_back({std::lround(p.x() / grid_m), std::lround(p.y() / grid_m),
-                       std::lround(p.z() / grid_m)});
+      cells.push_back(
+          {std::lround(p.x() / grid_m), std::lround(p.y() / grid_m), std::lround(p.z() / grid_m)});
     }
   }
   std::sort(cells.begin(), cells.end());
@@ -121,8 +121,7 @@ Hull with_few_vertices(const Hull& full, double tolerance_m) {
         outside_m = std::max(outside_m, face.normal.dot(p) - face.offset_m);
       }
       if (hull.volume_m3 <= 0) outside_m = (p - chosen.front()).norm();
-      if (outside_m > farthest_m &&
-          std::find(chosen.begin(), chosen.end(), p) == chosen.end()) {
+      if (outside_m > farthest_m && std::find(chosen.begin(), chosen.end(), p) == chosen.end()) {
         farthest_m = outside_m;
         farthest = &p;
       }
@@ -215,8 +214,7 @@ Piece make_piece(Polygons surface, double grid_m) {
 }
 
 Polygons surface_of(const parts::Mesh& mesh, double extent_m) {
-  const double grid_m =
-      mesh.triangles.size() > kMaxTriangles ? extent_m * kThinningShare : 0;
+  const double grid_m = mesh.triangles.size() > kMaxTriangles ? extent_m * kThinningShare : 0;
   const auto vertex = [&](int index) -> Eigen::Vector3d {
     const Eigen::Vector3d p = mesh.vertices_m[std::size_t(index)].cast<double>();
     return grid_m > 0 ? Eigen::Vector3d((p / grid_m).array().round() * grid_m) : p;
@@ -260,8 +258,7 @@ std::vector<ConvexPiece> convex_pieces(const parts::Mesh& mesh,
 
   std::vector<ConvexPiece> hulls;
   for (const Piece& piece : pieces) {
-    Hull hull =
-        with_few_vertices(hull_of(distinct_vertices(piece.surface, grid_m)), tolerance_m);
+    Hull hull = with_few_vertices(hull_of(distinct_vertices(piece.surface, grid_m)), tolerance_m);
     if (hull.volume_m3 > 0) hulls.push_back({std::move(hull.vertices_m), hull.volume_m3});
   }
   return hulls;

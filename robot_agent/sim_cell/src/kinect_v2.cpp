@@ -2,143 +2,206 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include "gaussian.hpp"
 #include "random.hpp"
+#include "rays.hpp"
 
 namespace graspd::sim_cell {
 namespace {
 
-constexpr double kMaxTheta_rad = 80 * std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kSteepest_rad = 80 * kDegree;
 
-/// What the pixel's disc of samples sees on average.
-struct Footprint {
-  double z_m = 0;
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-  std::uint16_t id = 0;
+/// What becomes a frame, one value per pixel. z is 0 where there is no reading.
+struct Image {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<float> z_m;
+  std::vector<float> cos_incidence;
+  std::vector<float> gloss;
+
+  std::size_t size() const { return z_m.size(); }
+  double incidence_rad(std::size_t pixel) const {
+    return std::acos(std::clamp(double(cos_incidence[pixel]), 0.0, 1.0));
+  }
 };
 
-/// Mean over the samples within the footprint about (u, v), in samples of the fine rendering.
-/// Normal and id are those of the sample in the middle.
-Footprint average(const Rendering& fine, double u, double v, double radius) {
-  double sum_m = 0;
-  int count = 0;
-  const auto clamp_u = [&](double x) { return std::clamp(static_cast<int>(x), 0, fine.width_px - 1); };
-  const auto clamp_v = [&](double y) { return std::clamp(static_cast<int>(y), 0, fine.height_px - 1); };
-  for (int y = clamp_v(std::ceil(v - radius)); y <= clamp_v(std::floor(v + radius)); ++y) {
-    for (int x = clamp_u(std::ceil(u - radius)); x <= clamp_u(std::floor(u + radius)); ++x) {
-      const float z_m = fine.depth_m[fine.index(x, y)];
-      if (z_m == 0 || std::hypot(x - u, y - v) > radius) continue;
-      sum_m += z_m;
-      ++count;
+// Streams of random numbers: each effect draws from its own, so that switching one off leaves the
+// others as they were.
+enum Stream : std::uint64_t { kLateral = 1, kAxial = 2, kDropOut = 3 };
+
+Random pixel_random(std::uint64_t seed, Stream effect, std::size_t pixel) {
+  return Random(seed + 0x1000193 * effect, pixel);
+}
+
+/// Mean over a square of fine pixels; no reading where most of it sees nothing.
+void average_footprint(const Rendering& fine, std::span<const SceneObject> scene,
+                       const Eigen::Vector2d& centre_px, int n, std::size_t pixel, Image& image) {
+  double z_m = 0, cosine = 0, gloss = 0;
+  int hits_n = 0;
+  const CameraIntrinsics& camera = fine.camera;
+  const int u_first = int(std::lround(centre_px.x() - (n - 1) / 2.0));
+  const int v_first = int(std::lround(centre_px.y() - (n - 1) / 2.0));
+  for (int v = v_first; v < v_first + n; ++v) {
+    for (int u = u_first; u < u_first + n; ++u) {
+      if (u < 0 || v < 0 || u >= camera.width_px || v >= camera.height_px) continue;
+      const std::size_t i = fine.index(u, v);
+      if (fine.object[i] == Rendering::kNothing) continue;
+      const Eigen::Vector3f ray(float((u - camera.cx_px) / camera.fx_px),
+                                float((v - camera.cy_px) / camera.fy_px), 1);
+      cosine += double(-fine.facet_normals[std::size_t(fine.facet[i])].dot(ray) / ray.norm());
+      z_m += double(fine.z_m[i]);
+      gloss += scene[std::size_t(fine.object[i])].gloss;
+      ++hits_n;
     }
   }
-  if (count == 0) return {};
-  const std::size_t middle = fine.index(clamp_u(std::round(u)), clamp_v(std::round(v)));
-  return {sum_m / count, fine.normal[middle], fine.id[middle]};
+  if (2 * hits_n <= n * n) return;
+  image.z_m[pixel] = float(z_m / hits_n);
+  image.cos_incidence[pixel] = float(cosine / hits_n);
+  image.gloss[pixel] = float(gloss / hits_n);
 }
 
-double multipath_m(const Eigen::Vector3d& p_camera, const Walls& walls,
-                   const KinectV2Parameters& parameters) {
-  const Eigen::Vector3d p = walls.T_camera_bin.inverse() * p_camera;
-  const Eigen::Vector2d to_wall = walls.inner_size_m.head<2>() / 2 - p.head<2>().cwiseAbs();
-  const double nearest_m = to_wall.minCoeff();
-  const bool inside = nearest_m >= 0 && p.z() < walls.inner_size_m.z();
-  if (!inside || nearest_m >= parameters.multipath_reach_m) return 0;
-  const double share = 1 - nearest_m / parameters.multipath_reach_m;
-  return parameters.multipath_m * share * share;
+Image look(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
+           std::uint64_t seed) {
+  const CameraIntrinsics& camera = sensor.camera;
+  const std::vector<Eigen::Vector2d> rays = pixel_rays(camera);
+  const int n = sensor.rays_per_side_n;
+  const Rendering fine = render(rectified_camera(camera, rays, n), scene);
+
+  Image image{camera.width_px, camera.height_px, {}, {}, {}};
+  for (auto* channel : {&image.z_m, &image.cos_incidence, &image.gloss}) {
+    channel->assign(rays.size(), 0);
+  }
+  for (std::size_t pixel = 0; pixel < rays.size(); ++pixel) {
+    const Eigen::Vector2d uv = project(fine.camera, rays[pixel]);
+    const auto straight = fine.index(int(std::lround(uv.x())), int(std::lround(uv.y())));
+    // The jitter has a size in metres: what it is in pixels depends on how far the ray goes.
+    const double z_m = double(fine.z_m[straight]);
+    const double sigma_px = z_m > 0 ? sensor.lateral_sigma_m / z_m * fine.camera.fx_px : 0;
+    const auto [du, dv] = pixel_random(seed, kLateral, pixel).normal_pair();
+    average_footprint(fine, scene, uv + sigma_px * Eigen::Vector2d(du, dv), n, pixel, image);
+  }
+  return image;
 }
 
-double dropout_share(double theta_rad, double gloss, const KinectV2Parameters& parameters) {
-  const double grazing = (theta_rad - parameters.grazing_from_rad) /
-                         (std::numbers::pi / 2 - parameters.grazing_from_rad);
-  double share = parameters.dropout_share;
-  share += parameters.dropout_at_grazing * std::clamp(grazing, 0.0, 1.0);
-  if (theta_rad < parameters.glare_half_angle_rad) share += gloss;
-  return share;
+void add_stray_light(const KinectV2Parameters& sensor, Image& image) {
+  if (!(sensor.stray_share > 0)) return;
+  std::vector<float> light(image.size(), 0), light_times_z(image.size(), 0);
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    if (image.z_m[i] <= 0) continue;
+    const double z_m = double(image.z_m[i]);
+    light[i] = float(std::pow(double(image.cos_incidence[i]), sensor.stray_falloff) / (z_m * z_m));
+    light_times_z[i] = light[i] * image.z_m[i];
+  }
+  const std::vector<float> kernel = gaussian_kernel(sensor.stray_sigma_px);
+  const auto around = convolve(light, image.width_px, image.height_px, kernel);
+  const auto around_times_z = convolve(light_times_z, image.width_px, image.height_px, kernel);
+  const auto share = float(sensor.stray_share);
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    if (image.z_m[i] <= 0) continue;
+    image.z_m[i] = (light_times_z[i] + share * around_times_z[i]) / (light[i] + share * around[i]);
+  }
 }
 
-/// One reading in metres, 0 for none.
-double reading_m(const Rendering& fine, int u, int v, const std::optional<Walls>& walls,
-                 const std::vector<double>& gloss, const KinectV2Parameters& parameters,
-                 Random random) {
-  const int samples = parameters.oversampling_n;
-  const CameraIntrinsics& camera = parameters.camera;
-  const double fine_u = samples * (u + 0.5) - 0.5;
-  const double fine_v = samples * (v + 0.5) - 0.5;
-  const double radius = samples * parameters.footprint_px / 2;
-  const Footprint straight = average(fine, fine_u, fine_v, radius);
-  if (straight.id == 0 && straight.z_m == 0) return 0;
-
-  const auto [jitter_u, jitter_v] = random.normal_pair();
-  const double jitter_px = samples * parameters.lateral_sigma_m * camera.fx_px / straight.z_m;
-  const Footprint seen =
-      average(fine, fine_u + jitter_px * jitter_u, fine_v + jitter_px * jitter_v, radius);
-  if (seen.z_m == 0) return 0;
-
-  const Eigen::Vector3d ray((u - camera.cx_px) / camera.fx_px, (v - camera.cy_px) / camera.fy_px,
-                            1);
-  const double cosine = -seen.normal.cast<double>().dot(ray.normalized());
-  const double theta_rad = std::acos(std::clamp(cosine, 0.0, 1.0));
-  const double glossy = seen.id < gloss.size() ? gloss[seen.id] : 0;
-  if (random.uniform() < dropout_share(theta_rad, glossy, parameters)) return 0;
-
-  const double sigma_m = parameters.axial_scale * axial_sigma_m(seen.z_m, theta_rad);
-  double z_m = seen.z_m + parameters.offset_m + sigma_m * random.normal_pair().first;
-  if (walls) z_m += multipath_m(ray * seen.z_m, *walls, parameters);
-  return z_m < parameters.min_depth_m || z_m > parameters.max_depth_m ? 0 : z_m;
+/// Adds white noise and then smooths it together with the depth. The noise is made larger
+/// beforehand by what the smoothing takes away.
+void add_noise_and_blur(const KinectV2Parameters& sensor, std::uint64_t seed, Image& image) {
+  const std::vector<float> kernel = gaussian_kernel(sensor.blur_sigma_px);
+  double kernel_energy = 0;
+  for (const float weight : kernel) kernel_energy += double(weight) * double(weight);
+  std::vector<float> weight(image.size(), 0);
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    if (image.z_m[i] <= 0) continue;
+    weight[i] = 1;
+    const double sigma_m = sensor.axial_scale *
+                           axial_sigma_m(double(image.z_m[i]), image.incidence_rad(i)) /
+                           kernel_energy;  // of both directions: the root of its square
+    image.z_m[i] += float(sigma_m * pixel_random(seed, kAxial, i).normal_pair().first);
+  }
+  const auto sum = convolve(image.z_m, image.width_px, image.height_px, kernel);
+  const auto total = convolve(weight, image.width_px, image.height_px, kernel);
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    if (weight[i] > 0) image.z_m[i] = sum[i] / total[i];
+  }
 }
 
-/// As libfreenect2: at a jump of more than the limit within 3 × 3 there is no reading.
-void filter_edges(DepthFrame& frame, double limit_m) {
-  const CameraIntrinsics& camera = frame.camera;
-  const std::vector<std::uint16_t> before = frame.depth;
-  const auto limit = static_cast<int>(std::lround(limit_m / frame.depth_scale_m));
-  for (int v = 1; v + 1 < camera.height_px; ++v) {
-    for (int u = 1; u + 1 < camera.width_px; ++u) {
-      int nearest = std::numeric_limits<int>::max();
-      int farthest = 0;
-      for (int dv = -1; dv <= 1; ++dv) {
-        for (int du = -1; du <= 1; ++du) {
-          const int z = before[static_cast<std::size_t>(v + dv) * camera.width_px + u + du];
-          if (z == 0) continue;
-          nearest = std::min(nearest, z);
-          farthest = std::max(farthest, z);
+double drop_out_probability(const KinectV2Parameters& sensor, double incidence_rad, double gloss) {
+  const auto ramp = [](double x, double from, double to) {
+    return std::clamp((x - from) / (to - from), 0.0, 1.0);
+  };
+  const double grazing = sensor.grazing_drop_out * ramp(incidence_rad, kSteepest_rad, 90 * kDegree);
+  // A polished surface blinds the sensor where it faces it, and sends the light elsewhere where it
+  // leans away.
+  const double blinded = gloss * (1 - ramp(incidence_rad, 2 * kDegree, 6 * kDegree));
+  const double sent_away = gloss * ramp(incidence_rad, 40 * kDegree, 80 * kDegree);
+  return std::max({grazing, blinded, sent_away});
+}
+
+void drop_out(const KinectV2Parameters& sensor, std::uint64_t seed, Image& image) {
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    const double probability =
+        drop_out_probability(sensor, image.incidence_rad(i), double(image.gloss[i]));
+    if (pixel_random(seed, kDropOut, i).uniform() < probability) image.z_m[i] = 0;
+  }
+}
+
+void filter_edges(const KinectV2Parameters& sensor, Image& image) {
+  if (!(sensor.edge_filter_m > 0)) return;
+  std::vector<float> kept = image.z_m;
+  const int width = image.width_px;
+  for (int v = 0; v < image.height_px; ++v) {
+    for (int u = 0; u < width; ++u) {
+      float nearest_m = std::numeric_limits<float>::max(), farthest_m = 0;
+      for (int y = std::max(0, v - 1); y <= std::min(image.height_px - 1, v + 1); ++y) {
+        for (int x = std::max(0, u - 1); x <= std::min(width - 1, u + 1); ++x) {
+          const float z_m = image.z_m[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+          if (z_m <= 0) continue;
+          nearest_m = std::min(nearest_m, z_m);
+          farthest_m = std::max(farthest_m, z_m);
         }
       }
-      if (farthest - nearest > limit) {
-        frame.depth[static_cast<std::size_t>(v) * camera.width_px + u] = 0;
+      if (farthest_m - nearest_m > float(sensor.edge_filter_m)) {
+        kept[std::size_t(v) * std::size_t(width) + std::size_t(u)] = 0;
       }
     }
   }
+  image.z_m = std::move(kept);
+}
+
+DepthFrame quantise(const KinectV2Parameters& sensor, const Image& image) {
+  DepthFrame frame{sensor.camera, sensor.depth_scale_m, {}};
+  frame.depth.reserve(image.size());
+  for (const float z_m : image.z_m) {
+    const double reading_m = double(z_m) + sensor.device_offset_m;
+    const bool readable =
+        z_m > 0 && reading_m >= sensor.min_depth_m && reading_m <= sensor.max_depth_m;
+    frame.depth.push_back(readable ? std::uint16_t(std::lround(reading_m / sensor.depth_scale_m))
+                                   : std::uint16_t(0));
+  }
+  return frame;
 }
 
 }  // namespace
 
-double axial_sigma_m(double z_m, double theta_rad) {
-  const double theta = std::min(theta_rad, kMaxTheta_rad);
-  const double off = std::numbers::pi / 2 - theta;
-  const double sigma_mm =
-      1.5 - 0.5 * z_m + 0.3 * z_m * z_m + 0.1 * std::pow(z_m, 1.5) * theta * theta / (off * off);
+double axial_sigma_m(double z_m, double incidence_rad) {
+  const double theta = std::clamp(incidence_rad, 0.0, kSteepest_rad);
+  const double to_grazing = std::numbers::pi / 2 - theta;
+  const double sigma_mm = 1.5 - 0.5 * z_m + 0.3 * z_m * z_m +
+                          0.1 * std::pow(z_m, 1.5) * theta * theta / (to_grazing * to_grazing);
   return sigma_mm * 1e-3;
 }
 
-DepthFrame sense(std::span<const PosedMesh> meshes, const std::optional<Walls>& walls,
-                 const std::vector<double>& gloss, const KinectV2Parameters& parameters,
-                 std::uint64_t seed) {
-  const CameraIntrinsics& camera = parameters.camera;
-  const Rendering fine = render(oversampled(camera, parameters.oversampling_n), meshes);
-  DepthFrame frame{camera, 0.001, {}};
-  frame.depth.reserve(static_cast<std::size_t>(camera.width_px) * camera.height_px);
-  for (int v = 0; v < camera.height_px; ++v) {
-    for (int u = 0; u < camera.width_px; ++u) {
-      const Random random(seed, frame.depth.size());
-      const double z_m = reading_m(fine, u, v, walls, gloss, parameters, random);
-      frame.depth.push_back(static_cast<std::uint16_t>(std::lround(z_m / frame.depth_scale_m)));
-    }
-  }
-  filter_edges(frame, parameters.edge_filter_m);
-  return frame;
+DepthFrame observe(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
+                   std::uint64_t seed) {
+  Image image = look(scene, sensor, seed);
+  add_stray_light(sensor, image);
+  add_noise_and_blur(sensor, seed, image);
+  drop_out(sensor, seed, image);
+  filter_edges(sensor, image);
+  return quantise(sensor, image);
 }
 
 }  // namespace graspd::sim_cell

@@ -113,8 +113,7 @@ class Drop {
   }
 
   /// Of all parts but one within a vertical cylinder.
-  double highest_point_m(const Eigen::Vector3d& axis_m, double radius_m,
-                         std::size_t except) const {
+  double highest_point_m(const Eigen::Vector3d& axis_m, double radius_m, std::size_t except) const {
     double highest_m = 0;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       if (i == except) continue;
@@ -156,7 +155,8 @@ class Drop {
       const Eigen::Isometry3d now = pose_of(*bodies_[i].body, shape);
       const double shift_m =
           (now * shape.centre_of_mass_m - before[i] * shape.centre_of_mass_m).norm();
-      const double turn_rad = Eigen::AngleAxisd(before[i].linear().transpose() * now.linear()).angle();
+      const double turn_rad =
+          Eigen::AngleAxisd(before[i].linear().transpose() * now.linear()).angle();
       farthest_m = std::max(farthest_m, shift_m + turn_rad * shape.radius_m);
     }
     return farthest_m;
@@ -165,8 +165,8 @@ class Drop {
   bool is_stray(const Body& body) const {
     const Eigen::Vector3d centre_m =
         pose_of(*body.body, shapes_[body.kind]) * shapes_[body.kind].centre_of_mass_m;
-    return std::abs(centre_m.x()) > inner_m_.x() / 2 ||
-           std::abs(centre_m.y()) > inner_m_.y() / 2 || centre_m.z() < 0;
+    return std::abs(centre_m.x()) > inner_m_.x() / 2 || std::abs(centre_m.y()) > inner_m_.y() / 2 ||
+           centre_m.z() < 0;
   }
 
   void set_damping(double damping) {

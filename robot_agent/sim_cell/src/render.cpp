@@ -4,10 +4,16 @@
 #include <array>
 #include <cmath>
 
+#include "rays.hpp"
+
 namespace graspd::sim_cell {
 namespace {
 
 constexpr double kNear_m = 0.01;
+/// Rounding must not open a crack between two triangles.
+constexpr double kEdge = 1e-9;
+/// Of the rectified image behind a distorted one.
+constexpr int kRaysPerSide = 3;
 
 /// A corner in the image. Its inverse depth, unlike its depth, is linear across the image.
 struct ImagePoint {
@@ -72,7 +78,8 @@ class Rasteriser {
     // Barycentric weights grow by the same step from pixel to pixel.
     const double b_u = (c.v - a.v) / area, b_v = -(c.u - a.u) / area;
     const double c_u = -(b.v - a.v) / area, c_v = (b.u - a.u) / area;
-    const double inverse_z_u = b_u * (b.inverse_z - a.inverse_z) + c_u * (c.inverse_z - a.inverse_z);
+    const double inverse_z_u =
+        b_u * (b.inverse_z - a.inverse_z) + c_u * (c.inverse_z - a.inverse_z);
     for (int v = v_first; v <= v_last; ++v) {
       const double du = u_first - a.u, dv = v - a.v;
       double weight_b = b_u * du + b_v * dv;
@@ -81,7 +88,7 @@ class Rasteriser {
                          weight_c * (c.inverse_z - a.inverse_z);
       std::size_t pixel = out_.index(u_first, v);
       for (int u = u_first; u <= u_last; ++u, ++pixel) {
-        if (weight_b >= 0 && weight_c >= 0 && weight_b + weight_c <= 1) {
+        if (weight_b >= -kEdge && weight_c >= -kEdge && weight_b + weight_c <= 1 + kEdge) {
           const auto z_m = float(1 / inverse_z);
           if (out_.object[pixel] == Rendering::kNothing || z_m < out_.z_m[pixel]) {
             out_.z_m[pixel] = z_m;
@@ -104,12 +111,9 @@ class Rasteriser {
   Rendering& out_;
 };
 
-}  // namespace
-
-Rendering render(const CameraIntrinsics& camera, std::span<const RenderObject> objects) {
+Rendering render_rectified(const CameraIntrinsics& camera, std::span<const SceneObject> objects) {
   Rendering rendering;
   rendering.camera = camera;
-  rendering.camera.distortion = {};
   const std::size_t pixels_n = std::size_t(camera.width_px) * std::size_t(camera.height_px);
   rendering.z_m.assign(pixels_n, 0);
   rendering.object.assign(pixels_n, Rendering::kNothing);
@@ -118,7 +122,7 @@ Rendering render(const CameraIntrinsics& camera, std::span<const RenderObject> o
   Rasteriser rasteriser(rendering);
   std::vector<Eigen::Vector3d> vertices_m;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const RenderObject& object = objects[i];
+    const SceneObject& object = objects[i];
     vertices_m.clear();
     for (const Eigen::Vector3f& vertex : object.mesh->vertices_m) {
       vertices_m.push_back(object.T_camera_object * vertex.cast<double>());
@@ -131,8 +135,33 @@ Rendering render(const CameraIntrinsics& camera, std::span<const RenderObject> o
   return rendering;
 }
 
+/// Each of the camera's rays reads the nearest pixel of a finer, rectified image.
+Rendering resample(Rendering fine, const CameraIntrinsics& camera,
+                   const std::vector<Eigen::Vector2d>& rays) {
+  Rendering rendering;
+  rendering.camera = camera;
+  for (const Eigen::Vector2d& ray : rays) {
+    const Eigen::Vector2d uv = project(fine.camera, ray);
+    const std::size_t i = fine.index(int(std::lround(uv.x())), int(std::lround(uv.y())));
+    rendering.z_m.push_back(fine.z_m[i]);
+    rendering.object.push_back(fine.object[i]);
+    rendering.facet.push_back(fine.facet[i]);
+  }
+  rendering.facet_normals = std::move(fine.facet_normals);
+  return rendering;
+}
+
+}  // namespace
+
+Rendering render(const CameraIntrinsics& camera, std::span<const SceneObject> objects) {
+  if (camera.distortion == std::array<double, 5>{}) return render_rectified(camera, objects);
+  const std::vector<Eigen::Vector2d> rays = pixel_rays(camera);
+  return resample(render_rectified(rectified_camera(camera, rays, kRaysPerSide), objects), camera,
+                  rays);
+}
+
 std::vector<double> visible_fractions(const Rendering& rendering,
-                                      std::span<const RenderObject> objects) {
+                                      std::span<const SceneObject> objects) {
   std::vector<std::size_t> seen_n(objects.size(), 0);
   for (const std::int32_t object : rendering.object) {
     if (object != Rendering::kNothing) ++seen_n[std::size_t(object)];

@@ -3,40 +3,23 @@
 #include <cmath>
 
 #include "graspd/recordings/rawlog.hpp"
+#include "graspd/sim_cell/bin_mesh.hpp"
 
 namespace graspd::sim_cell {
 namespace {
 
-constexpr double kTableHalf_m = 1.5;
 constexpr double kFramePeriod_s = 1.0 / 30;
 constexpr double kHalfVisible = 0.5;
 
-void add_box(const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m, parts::Mesh& mesh) {
-  const auto first = static_cast<int>(mesh.vertices_m.size());
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d p((corner & 1) != 0 ? high_m.x() : low_m.x(),
-                            (corner & 2) != 0 ? high_m.y() : low_m.y(),
-                            (corner & 4) != 0 ? high_m.z() : low_m.z());
-    mesh.vertices_m.push_back(p.cast<float>());
+/// 0 for all but the first `parts_n` objects, whose ids count from 1.
+Image16 instance_ids(const Rendering& rendering, std::size_t parts_n) {
+  Image16 ids{rendering.camera.width_px, rendering.camera.height_px, {}};
+  ids.values.reserve(rendering.object.size());
+  for (const std::int32_t object : rendering.object) {
+    const bool is_part = object != Rendering::kNothing && std::size_t(object) < parts_n;
+    ids.values.push_back(std::uint16_t(is_part ? object + 1 : 0));
   }
-  constexpr int kFaces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  for (const auto& face : kFaces) {
-    mesh.triangles.push_back({first + face[0], first + face[1], first + face[2]});
-  }
-}
-
-/// Four walls on a table, in the bin's frame.
-parts::Mesh bin_mesh(const Eigen::Vector3d& inner_m, double wall_m) {
-  const double x = inner_m.x() / 2;
-  const double y = inner_m.y() / 2;
-  parts::Mesh mesh;
-  add_box({-kTableHalf_m, -kTableHalf_m, -0.01}, {kTableHalf_m, kTableHalf_m, 0}, mesh);
-  add_box({-x - wall_m, -y - wall_m, 0}, {-x, y + wall_m, inner_m.z()}, mesh);
-  add_box({x, -y - wall_m, 0}, {x + wall_m, y + wall_m, inner_m.z()}, mesh);
-  add_box({-x, -y - wall_m, 0}, {x, -y, inner_m.z()}, mesh);
-  add_box({-x, y, 0}, {x, y + wall_m, inner_m.z()}, mesh);
-  return mesh;
+  return ids;
 }
 
 }  // namespace
@@ -85,29 +68,25 @@ Result<BopImage> SceneMaker::make(int k) const {
 
   const Eigen::Isometry3d T_camera_bin =
       camera_over_bin(options_.camera_height_m, options_.camera_tilt_rad).inverse();
-  std::vector<PosedMesh> meshes;
+  std::vector<SceneObject> scene;
   for (const PiledPart& part : pile->parts) {
-    meshes.push_back({&kinds_[part.kind]->mesh, T_camera_bin * part.T_bin_part,
-                      static_cast<std::uint16_t>(meshes.size() + 1)});
+    scene.push_back({&kinds_[part.kind]->mesh, T_camera_bin * part.T_bin_part, options_.gloss});
   }
-  const std::size_t parts_n = meshes.size();
-  std::vector<double> gloss(parts_n + 1, options_.gloss);
-  gloss[0] = 0;
-  meshes.push_back({&bin_, T_camera_bin, 0});
+  const std::size_t parts_n = scene.size();
+  scene.push_back({&bin_, T_camera_bin});
 
   BopImage image;
   image.im_id = k;
-  image.frame =
-      sense(meshes, Walls{T_camera_bin, options_.bin_inner_size_m}, gloss, options_.sensor, seed);
-  const Rendering truth = render(options_.sensor.camera, meshes);
-  const auto fractions = visible_fractions(options_.sensor.camera, {meshes.data(), parts_n}, truth);
+  image.frame = observe(scene, options_.sensor, seed);
+  const Rendering truth = render(options_.sensor.camera, scene);
+  const std::vector<double> fractions = visible_fractions(truth, scene);
   for (std::size_t i = 0; i < parts_n; ++i) {
     image.truth.push_back(
-        {kinds_[pile->parts[i].kind]->bop_obj_id, meshes[i].T_camera_mesh, fractions[i]});
+        {kinds_[pile->parts[i].kind]->bop_obj_id, scene[i].T_camera_object, fractions[i]});
   }
+  image.instance = instance_ids(truth, parts_n);
   image.bin = BopBin{T_camera_bin, options_.bin_inner_size_m};
   image.T_world_camera = T_camera_bin.inverse();
-  image.instance = Image16{truth.width_px, truth.height_px, truth.id};
   return image;
 }
 

@@ -86,6 +86,7 @@ class YamlDocument {
   };
   std::filesystem::path path_;
   YAML::Node node_;
+  bool readable_ = false;
   std::deque<Visited> visited_;
   std::vector<std::string> faults_;
 };

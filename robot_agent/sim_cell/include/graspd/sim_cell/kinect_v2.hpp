@@ -1,51 +1,62 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <vector>
+#include <span>
 
-#include "graspd/sim_cell/renderer.hpp"
+#include "graspd/sim_cell/render.hpp"
 #include "graspd/types/frame.hpp"
 
 namespace graspd::sim_cell {
 
-/// A Kinect v2's errors: Fankhauser et al. 2015 for the noise, and what real frames show.
+/// A Kinect v2 as its drivers deliver it: time-of-flight depth after libfreenect2's filters. The
+/// sources of the numbers are
+///   [F] Fankhauser et al., Kinect v2 for Mobile Robot Navigation, ICAR 2015;
+///   [L] libfreenect2, depth packet processor;
+///   [R] fitted to a real frame by tests/bench/sensor_comparison: a bin with four pipe tees.
+/// Set a share, a sigma or a probability to 0 to switch its effect off.
 struct KinectV2Parameters {
   CameraIntrinsics camera{512, 424, 365.5, 365.5, 255, 205, {}};
+  double depth_scale_m = 0.001;  ///< whole millimetres, as the driver gives them
   double min_depth_m = 0.5;
   double max_depth_m = 4.5;
-  /// A pixel's light comes from a disc about a pixel wide: readings at an edge lie between both
-  /// sides and fly.
-  int oversampling_n = 3;
-  double footprint_px = 1.4;
-  double lateral_sigma_m = 0.0006;  ///< jitter of the ray, on the surface
-  double axial_scale = 1.0;         ///< times Fankhauser's σ_z
-  /// Light by way of a wall arrives late: floor and parts near it are seen b·(1 − d/L)² too far.
-  double multipath_m = 0.012;
-  double multipath_reach_m = 0.06;
-  double offset_m = 0;  ///< of this device, up to 24 mm either way
-  /// Surfaces flatter to the ray than this lose their reading more and more often.
-  double grazing_from_rad = 1.4;
-  double dropout_at_grazing = 0.5;
-  double dropout_share = 0.002;        ///< of any pixel
-  double glare_half_angle_rad = 0.12;  ///< a glossy surface seen straight on blinds the pixel
-  double edge_filter_m = 0.1;  ///< libfreenect2 zeroes a pixel whose 3 × 3 span more than this
+
+  /// Rays per pixel side. A pixel reads the mean depth of its footprint, so that pixels on an edge
+  /// float between front and back.
+  int rays_per_side_n = 3;
+  /// [R] Lens and the driver's smoothing. It also makes the noise of neighbours alike.
+  double blur_sigma_px = 0.9;
+
+  /// [R] Jitter of each pixel's ray, across the line of sight. [F] gives 0.0016 for the places of
+  /// edges, which is mostly the pixel's own size: with that, edges are twice as rough as real ones.
+  double lateral_sigma_m = 0.0004;
+  /// [R] Times `axial_sigma_m`.
+  double axial_scale = 1.08;
+
+  /// [R] Multipath and scattering in the lens: each reading is a mean, weighted by brightness, of
+  /// its own light and of this share of the light of its surroundings. A surface is as bright as
+  /// cos(angle of incidence)^stray_falloff / z². So a floor bends up towards walls, walls and the
+  /// flanks of pipes sink, and low parts look flatter; in dense piles half of the readings are
+  /// within 5 mm of the part and three quarters within 8 mm, as on real frames.
+  double stray_share = 0.2;
+  double stray_sigma_px = 30;
+  double stray_falloff = 2;
+
+  double device_offset_m = 0;  ///< up to 0.024 from device to device [F]
+
+  /// [R] Probability of no reading where the ray only grazes a surface; grows from 80° to 90°.
+  double grazing_drop_out = 0.1;
+  /// [L] No reading where the 3×3 neighbourhood spans more than this.
+  double edge_filter_m = 0.1;
 };
 
-/// σ_z in metres at `z_m` for a surface whose normal is `theta_rad` off the ray (Fankhauser 2015,
-/// in mm: 1.5 − 0.5 z + 0.3 z² + 0.1 z^1.5 θ² / (π/2 − θ)²), clamped near 80°.
-double axial_sigma_m(double z_m, double theta_rad);
+/// [F] σ in metres of a reading at depth z, the ray at this angle to the surface normal:
+/// 1.5 − 0.5 z + 0.3 z² + 0.1 z^1.5 θ² / (π/2 − θ)² millimetres, z in metres. θ is held below 80°,
+/// where the formula was measured.
+double axial_sigma_m(double z_m, double incidence_rad);
 
-/// The bin's inner walls, which bend the floor between them.
-struct Walls {
-  Eigen::Isometry3d T_camera_bin = Eigen::Isometry3d::Identity();
-  Eigen::Vector3d inner_size_m = Eigen::Vector3d::Zero();
-};
-
-/// Makes a Kinect v2 frame of what `meshes` show. The same seed makes the same frame.
-/// \param gloss by mesh id, 0 … 1: how often a glossy surface loses its reading; absent is 0.
-DepthFrame sense(std::span<const PosedMesh> meshes, const std::optional<Walls>& walls,
-                 const std::vector<double>& gloss, const KinectV2Parameters& parameters,
-                 std::uint64_t seed);
+/// One frame. The same scene, sensor and seed give the same bytes. With distortion coefficients in
+/// `sensor.camera` every pixel looks along its own, distorted ray.
+DepthFrame observe(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
+                   std::uint64_t seed);
 
 }  // namespace graspd::sim_cell

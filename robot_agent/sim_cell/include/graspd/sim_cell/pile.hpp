@@ -16,13 +16,13 @@ struct PileOptions {
   double restitution = 0.05;
   double step_s = 1.0 / 120;
   double drop_every_s = 0.05;
-  double drop_speed_m_s = 0.6;   ///< and never faster: thin walls must not pass through each other
+  double drop_speed_m_s = 0.6;  ///< and never faster: thin walls must not pass through each other
   double still_speed_m_s = 0.005;
   double still_for_s = 0.25;
   double settle_within_s = 8;
   double max_penetration_m = 0.0005;
-  int max_drops_n = 4;      ///< how often a part that fell beside the bin is dropped again
-  int max_attempts_n = 3;   ///< how often a pile that does not come to rest is dropped anew
+  int max_drops_n = 4;     ///< how often a part that fell beside the bin is dropped again
+  int max_attempts_n = 3;  ///< how often a pile that does not come to rest is dropped anew
 };
 
 struct PiledPart {

@@ -11,19 +11,20 @@
 namespace graspd::sim_cell {
 
 /// A mesh in front of the camera. The mesh must outlive its uses.
-struct RenderObject {
+struct SceneObject {
   const parts::Mesh* mesh = nullptr;
   Eigen::Isometry3d T_camera_object = Eigen::Isometry3d::Identity();
+  double gloss = 0;  ///< 0 matt … 1 polished: how often the sensor gets no reading from it
 };
 
-/// What a perfect pinhole camera sees through the centre of each pixel, row by row.
+/// What a perfect camera sees through the centre of each pixel, row by row.
 struct Rendering {
   static constexpr std::int32_t kNothing = -1;
 
   CameraIntrinsics camera;
-  std::vector<float> z_m;             ///< in the optical frame; 0 where nothing is
-  std::vector<std::int32_t> object;   ///< index into the objects, or kNothing
-  std::vector<std::int32_t> facet;    ///< index into `facet_normals`, or kNothing
+  std::vector<float> z_m;                      ///< in the optical frame; 0 where nothing is
+  std::vector<std::int32_t> object;            ///< index into the objects, or kNothing
+  std::vector<std::int32_t> facet;             ///< index into `facet_normals`, or kNothing
   std::vector<Eigen::Vector3f> facet_normals;  ///< unit, in the optical frame, towards the camera
 
   std::size_t index(int u, int v) const {
@@ -31,13 +32,14 @@ struct Rendering {
   }
 };
 
-/// Draws triangles into a z-buffer, both sides of each, cut off 10 mm before the camera.
-/// Distortion coefficients are ignored: the image is the rectified one.
-Rendering render(const CameraIntrinsics& camera, std::span<const RenderObject> objects);
+/// Draws triangles into a z-buffer, both sides of each, cut off 10 mm before the camera. Where the
+/// camera has distortion coefficients, each pixel looks along its own, distorted ray, to a sixth of
+/// a pixel.
+Rendering render(const CameraIntrinsics& camera, std::span<const SceneObject> objects);
 
 /// Of each object: its pixels that are seen / its pixels if it were alone in the image. 0 where it
 /// has none. Everything in the scene hides, walls included.
 std::vector<double> visible_fractions(const Rendering& rendering,
-                                      std::span<const RenderObject> objects);
+                                      std::span<const SceneObject> objects);
 
 }  // namespace graspd::sim_cell

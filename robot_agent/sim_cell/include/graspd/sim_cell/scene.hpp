@@ -27,7 +27,7 @@ struct SceneOptions {
   double bin_wall_m = 0.005;
   double camera_height_m = 0.75;  ///< above the bin's floor
   double camera_tilt_rad = 0;     ///< about the bin's x axis, still towards the bin's centre
-  double gloss = 0.02;            ///< of the parts; see `sense`
+  double gloss = 0;            ///< of the parts; see SceneObject
   KinectV2Parameters sensor;
 };
 

@@ -1,0 +1,46 @@
+#include "gaussian.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace graspd::sim_cell {
+
+std::vector<float> gaussian_kernel(double sigma_px) {
+  if (!(sigma_px > 0)) return {1};
+  const int radius = int(std::ceil(3 * sigma_px));
+  std::vector<float> kernel;
+  float sum = 0;
+  for (int i = -radius; i <= radius; ++i) {
+    kernel.push_back(float(std::exp(-0.5 * i * i / (sigma_px * sigma_px))));
+    sum += kernel.back();
+  }
+  for (float& weight : kernel) weight /= sum;
+  return kernel;
+}
+
+std::vector<float> convolve(const std::vector<float>& image, int width_px, int height_px,
+                            const std::vector<float>& kernel) {
+  const int radius = int(kernel.size()) / 2;
+  const auto at = [width_px](int u, int v) {
+    return std::size_t(v) * std::size_t(width_px) + std::size_t(u);
+  };
+  std::vector<float> rows(image.size(), 0);
+  for (int v = 0; v < height_px; ++v) {
+    for (int k = -radius; k <= radius; ++k) {
+      const float weight = kernel[std::size_t(k + radius)];
+      for (int u = std::max(0, -k); u < std::min(width_px, width_px - k); ++u) {
+        rows[at(u, v)] += weight * image[at(u + k, v)];
+      }
+    }
+  }
+  std::vector<float> result(image.size(), 0);
+  for (int v = 0; v < height_px; ++v) {
+    for (int k = std::max(-radius, -v); k <= std::min(radius, height_px - 1 - v); ++k) {
+      const float weight = kernel[std::size_t(k + radius)];
+      for (int u = 0; u < width_px; ++u) result[at(u, v)] += weight * rows[at(u, v + k)];
+    }
+  }
+  return result;
+}
+
+}  // namespace graspd::sim_cell
