@@ -186,6 +186,22 @@ TEST(Preprocess, WithoutABinFindsTheFloorByItself) {
   EXPECT_NEAR(highest_m, 0.04, 0.002);
 }
 
+TEST(Preprocess, WithoutABinLeavesOutWhatStandsBesideTheFloor) {
+  PlanRequest request = request_with_bin();
+  request.bin.reset();
+  const testing::Block part = block_at({0, 0, 0.02}, {0.06, 0.04, 0.04});
+  DepthFrame frame = testing::render(testing::kinect_v2(), kHeight_m, {part});
+  // A wall at the right edge of the image, with nothing seen behind it.
+  const testing::Block wall = block_at({0.40, 0, 0.06}, {0.06, 1.0, 0.12});
+  const DepthFrame with_wall = testing::render(testing::kinect_v2(), kHeight_m, {part, wall});
+  for (std::size_t i = 0; i < frame.depth.size(); ++i) {
+    if (i % 512 > 410) frame.depth[i] = i % 512 > 470 ? with_wall.depth[i] : 0;
+  }
+  const Scene scene = preprocess(frame, request, 0.08, {});
+  ASSERT_GT(scene.cloud.size(), 300U);
+  for (const auto& p : scene.cloud.points_m) EXPECT_LT(std::abs(p.x()), 0.034) << "the part's";
+}
+
 TEST(Preprocess, WithoutAnyFloorKeepsEverythingAndSaysSo) {
   PlanRequest request = request_with_bin();
   request.bin.reset();

@@ -2,31 +2,21 @@
 
 #include <pcl/features/normal_3d.h>
 #include <pcl/search/kdtree.h>
-#include <pcl/segmentation/sac_segmentation.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "filtered.hpp"
 #include "graspd/types/camera_model.hpp"
 #include "pcl_cloud.hpp"
 
 namespace graspd::perception {
 namespace {
 
-constexpr double kFloorTilt_rad = 15 * M_PI / 180;
 /// A floor that was found this far from where the request says the bin's is, is not the bin's.
 constexpr double kFloorMismatch_m = 0.03;
 constexpr double kFillCell_m = 0.005;
 constexpr double kCropDiameters = 2;
-
-template <class Keep>
-Cloud filtered(const Cloud& cloud, Keep keep) {
-  Cloud kept;
-  kept.points_m.reserve(cloud.size());
-  std::copy_if(cloud.points_m.begin(), cloud.points_m.end(), std::back_inserter(kept.points_m),
-               keep);
-  return kept;
-}
 
 /// How full the bin is: the mean over cells of the floor that are seen of the height there.
 double fill_level(const Cloud& cloud, const Workspace& workspace) {
@@ -101,8 +91,8 @@ void preprocess_known(const Cloud& frame_cloud, const Workspace& workspace, bool
   scene.cloud = floor ? above_plane(thinned, *floor, workspace.size_m.z(), parameters) : thinned;
 }
 
-/// The same where it does not: the floor is the plane that is found, and the part's size says up to
-/// which height parts are looked for.
+/// The same where it does not: the floor is the plane that is found, and the part's size says how
+/// far above and beside it parts are looked for.
 void preprocess_unknown(const Cloud& frame_cloud, double part_diameter_m,
                         const PreprocessParameters& parameters, Scene& scene) {
   scene.funnel.after_passthrough_n = static_cast<std::uint32_t>(frame_cloud.size());
@@ -111,7 +101,8 @@ void preprocess_unknown(const Cloud& frame_cloud, double part_diameter_m,
   const auto floor = find_floor(thinned, std::nullopt, parameters);
   scene.has_floor = floor.has_value();
   if (floor) {
-    scene.cloud = above_plane(thinned, *floor, kCropDiameters * part_diameter_m, parameters);
+    const Cloud above = above_plane(thinned, *floor, kCropDiameters * part_diameter_m, parameters);
+    scene.cloud = over_floor(above, thinned, *floor, parameters);
     scene.T_camera_floor = frame_on(*floor, scene.cloud);
   } else {
     scene.warnings.push_back(
@@ -199,47 +190,6 @@ Cloud voxel_grid(const Cloud& cloud, double voxel_m) {
     begin = end;
   }
   return result;
-}
-
-std::optional<Plane> find_floor(const Cloud& cloud, const std::optional<Eigen::Vector3f>& up_camera,
-                                const PreprocessParameters& parameters) {
-  if (cloud.size() < 3) return std::nullopt;
-  pcl::SACSegmentation<pcl::PointXYZ> ransac(/*random=*/false);
-  ransac.setModelType(up_camera ? pcl::SACMODEL_PERPENDICULAR_PLANE : pcl::SACMODEL_PLANE);
-  if (up_camera) {
-    ransac.setAxis(*up_camera);
-    ransac.setEpsAngle(kFloorTilt_rad);
-  }
-  ransac.setMethodType(pcl::SAC_RANSAC);
-  ransac.setMaxIterations(parameters.plane_iterations_n);
-  ransac.setDistanceThreshold(parameters.plane_tolerance_m);
-  ransac.setInputCloud(to_pcl(cloud));
-  pcl::PointIndices inliers;
-  pcl::ModelCoefficients coefficients;
-  ransac.segment(inliers, coefficients);
-  const auto count = static_cast<double>(cloud.size());
-  if (static_cast<double>(inliers.indices.size()) < parameters.plane_min_share * count) {
-    return std::nullopt;
-  }
-  Plane plane{{coefficients.values[0], coefficients.values[1], coefficients.values[2]},
-              coefficients.values[3]};
-  if (plane.offset_m < 0) plane = {-plane.normal, -plane.offset_m};  // the camera is above it
-  const auto behind_n =
-      std::count_if(cloud.points_m.begin(), cloud.points_m.end(), [&](const Eigen::Vector3f& p) {
-        return plane.height_m(p) < -2 * parameters.plane_tolerance_m;
-      });
-  if (static_cast<double>(behind_n) > parameters.max_behind_plane_share * count) {
-    return std::nullopt;
-  }
-  return plane;
-}
-
-Cloud above_plane(const Cloud& cloud, const Plane& plane, double max_height_m,
-                  const PreprocessParameters& parameters) {
-  return filtered(cloud, [&](const Eigen::Vector3f& p) {
-    const float height_m = plane.height_m(p);
-    return height_m > parameters.plane_tolerance_m && height_m <= max_height_m;
-  });
 }
 
 void estimate_normals(Cloud& cloud, const PreprocessParameters& parameters) {

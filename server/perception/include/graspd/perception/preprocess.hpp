@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "graspd/perception/cloud.hpp"
+#include "graspd/perception/floor.hpp"
 #include "graspd/perception/parameters.hpp"
 #include "graspd/types/answer.hpp"
 #include "graspd/types/request.hpp"
@@ -29,24 +30,6 @@ Cloud passthrough(const Cloud& cloud, const Workspace& workspace);
 /// The centroid of the points in each cube of side `voxel_m`, in a fixed order.
 Cloud voxel_grid(const Cloud& cloud, double voxel_m);
 
-/// A plane whose normal points towards the camera: normal · p + offset_m is the height above it.
-struct Plane {
-  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
-  float offset_m = 0;
-
-  float height_m(const Eigen::Vector3f& p_m) const { return normal.dot(p_m) + offset_m; }
-};
-
-/// The floor by RANSAC: the plane with most points, accepted where it has at least
-/// `plane_min_share` of them and next to none lie behind it.
-/// \param up_camera where given, the plane must be perpendicular to it within 15°.
-std::optional<Plane> find_floor(const Cloud& cloud, const std::optional<Eigen::Vector3f>& up_camera,
-                                const PreprocessParameters& parameters);
-
-/// The points higher than `plane_tolerance_m` above the plane and not above `max_height_m`.
-Cloud above_plane(const Cloud& cloud, const Plane& plane, double max_height_m,
-                  const PreprocessParameters& parameters);
-
 /// Fits a plane to the `normal_neighbours_n` nearest points of each point.
 void estimate_normals(Cloud& cloud, const PreprocessParameters& parameters);
 
@@ -63,7 +46,7 @@ struct Scene {
 
 /// All of the above in the paper's order.
 /// \param part_diameter_m of the largest requested part: without bin and crop box, the points up to
-/// twice as high above the floor are kept.
+/// twice as high above the floor that is seen are kept.
 Scene preprocess(const DepthFrame& frame, const PlanRequest& request, double part_diameter_m,
                  const PreprocessParameters& parameters);
 
