@@ -45,7 +45,8 @@ TEST(GraspPoint, WithoutTheNeighbourTermIsTheBarycentre) {
 TEST(GraspPoint, MinimisesTheWeightedSumOfBothDistances) {
   // The neighbour stands across at x = 0.08: its nearest points are at x = 0.07. On the axis at x,
   // dn(x) = 0.07 − x and de(x) = |x|. With k3 = 1, k4 = −2 the sum is |x| − 2·(0.07 − x): for
-  // x < 0 it is x − 0.14, least at the far end. The bar ends at −0.04; the last step on it may be one step before.
+  // x < 0 it is x − 0.14, least at the far end. The bar ends at −0.04; the last step on it may be
+  // one step before.
   const std::vector<PlacedPart> parts = {at({0, 0, 0.005}), at({0.08, 0, 0.005}, M_PI / 2)};
   GraspParameters parameters;
   parameters.k3 = 1;

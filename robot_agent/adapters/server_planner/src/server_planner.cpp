@@ -28,8 +28,8 @@ class ServerPlanner final : public Planner {
 }  // namespace
 
 Result<std::unique_ptr<Planner>> connect_planner(const std::vector<std::string>& endpoints,
-                                                        const std::string& cell,
-                                                        std::chrono::milliseconds budget) {
+                                                 const std::string& cell,
+                                                 std::chrono::milliseconds budget) {
   client::ClientOptions options;
   options.cell = cell;
   try {

@@ -14,7 +14,7 @@ namespace graspd::agent {
 /// \param budget for each plan, retries on other servers included.
 /// \returns INVALID_ARGUMENT for no endpoint, or one that is none.
 Result<std::unique_ptr<Planner>> connect_planner(const std::vector<std::string>& endpoints,
-                                                        const std::string& cell,
-                                                        std::chrono::milliseconds budget);
+                                                 const std::string& cell,
+                                                 std::chrono::milliseconds budget);
 
 }  // namespace graspd::agent
