@@ -144,7 +144,7 @@ Result<void> run(const Options& options) {
 }  // namespace
 }  // namespace graspd::bench
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   graspd::bench::Options options;
   options.data = graspd::bench::default_data();
   CLI::App app("Compares simulated Kinect v2 frames with a real one.");
@@ -161,4 +161,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   return 0;
+} catch (const std::exception& e) {
+  std::cerr << e.what() << "\n";
+  return 1;
 }

@@ -160,14 +160,20 @@ struct Step {
   double width_px = 0;   ///< from 10 to 90 % of its height
 };
 
-/// The step that starts at (u, v) on the floor and climbs along (du, dv) for as long as it rises by
+/// From pixel to pixel, along a row or a column.
+struct Direction {
+  int du = 0;
+  int dv = 0;
+};
+
+/// The step that starts at (u, v) on the floor and climbs along `to` for as long as it rises by
 /// a millimetre a pixel; nothing where there is no step.
-std::optional<Step> find_step(const DepthFrame& frame, const Floor& floor, int u, int v, int du,
-                              int dv) {
+std::optional<Step> find_step(const DepthFrame& frame, const Floor& floor, int u, int v,
+                              Direction to) {
   std::vector<double> profile;
   for (int i = 0; i <= kLongestEdge_px; ++i) {
-    if (frame.at(u + i * du, v + i * dv) == 0) return std::nullopt;
-    const double height_mm = floor.height_mm(u + i * du, v + i * dv);
+    if (frame.at(u + i * to.du, v + i * to.dv) == 0) return std::nullopt;
+    const double height_mm = floor.height_mm(u + i * to.du, v + i * to.dv);
     if (i > 0 && height_mm < profile.back() + 1) break;
     profile.push_back(height_mm);
   }
@@ -184,16 +190,16 @@ void measure_edges(const DepthFrame& frame, const PixelBox& box, const Floor& fl
   std::vector<double> widths_px, jumps_px;
   const PixelBox inside{box.u_first + kLongestEdge_px, box.v_first + kLongestEdge_px,
                         box.u_end - kLongestEdge_px, box.v_end - kLongestEdge_px};
-  for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+  for (const Direction to : {Direction{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
     // Where each row (or column) meets its first step, by the row's number.
     std::map<int, double> places_px;
     for_each_pixel(inside, [&](int u, int v) {
       if (frame.at(u, v) == 0 || std::abs(floor.height_mm(u, v)) > kOnFloor_mm) return;
-      const auto step = find_step(frame, floor, u, v, du, dv);
+      const auto step = find_step(frame, floor, u, v, to);
       if (!step) return;
       widths_px.push_back(step->width_px);
-      const int row = du != 0 ? v : u;
-      const double place_px = (du != 0 ? u : v) + (du + dv) * step->middle_px;
+      const int row = to.du != 0 ? v : u;
+      const double place_px = (to.du != 0 ? u : v) + (to.du + to.dv) * step->middle_px;
       places_px.try_emplace(row, place_px);
     });
     for (const auto& [row, place_px] : places_px) {
@@ -219,7 +225,7 @@ void measure_parts(const DepthFrame& frame, const PixelBox& box, const Floor& fl
     ++parts_n;
     bool flying = false;
     double steepest_mm = 0;
-    for (const auto& [du, dv] : {std::pair{1, 0}, {0, 1}}) {
+    for (const auto& [du, dv] : {Direction{1, 0}, {0, 1}}) {
       if (frame.at(u - du, v - dv) == 0 || frame.at(u + du, v + dv) == 0) continue;
       const double before_mm = z_mm(frame, u, v) - z_mm(frame, u - du, v - dv);
       const double after_mm = z_mm(frame, u + du, v + dv) - z_mm(frame, u, v);

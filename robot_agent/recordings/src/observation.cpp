@@ -37,7 +37,8 @@ mrpt::obs::CObservation3DRangeScan to_observation(const DepthFrame& frame) {
 Result<DepthFrame> to_frame(const mrpt::obs::CObservation3DRangeScan& observation) {
   if (!observation.hasRangeImage) return invalid("the observation has no depth image");
   if (observation.rangeImage_isExternallyStored()) {
-    return invalid("the depth image is stored outside the rawlog: record it with the images inside");
+    return invalid(
+        "the depth image is stored outside the rawlog: record it with the images inside");
   }
   if (!observation.range_is_depth) {
     return invalid("the image holds ranges along the rays, not depths: convert it first");
@@ -55,7 +56,8 @@ Result<DepthFrame> to_frame(const mrpt::obs::CObservation3DRangeScan& observatio
   frame.camera.cx_px = model.cx();
   frame.camera.cy_px = model.cy();
   if (model.distortion == mrpt::img::DistortionModel::plumb_bob) {
-    std::copy_n(model.dist.begin(), frame.camera.distortion.size(), frame.camera.distortion.begin());
+    std::copy_n(model.dist.begin(), frame.camera.distortion.size(),
+                frame.camera.distortion.begin());
   }
   frame.depth_scale_m = widen(observation.rangeUnits);
   const auto* data = observation.rangeImage.data();

@@ -1,20 +1,26 @@
 #include "graspd/recordings/rawlog.hpp"
 
-#include <mrpt/io/CFileGZInputStream.h>
-#include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
 
 #include <deque>
 #include <utility>
 
+#include "gzip_stream.hpp"
 #include "observation.hpp"
 
 namespace graspd {
 
 struct RawlogWriter::Impl {
+  explicit Impl(std::filesystem::path file)
+      : path(std::move(file)), stream(path, GzipStream::Mode::kWrite) {}
+
+  tl::unexpected<Error> fail_writing() const {
+    return invalid("{}: writing failed; is the disk full?", path.string());
+  }
+
   std::filesystem::path path;
-  mrpt::io::CFileGZOutputStream stream;
+  GzipStream stream;
 };
 
 RawlogWriter::RawlogWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -23,9 +29,8 @@ RawlogWriter& RawlogWriter::operator=(RawlogWriter&&) noexcept = default;
 RawlogWriter::~RawlogWriter() = default;
 
 Result<RawlogWriter> RawlogWriter::create(const std::filesystem::path& path) {
-  auto impl = std::make_unique<Impl>();
-  impl->path = path;
-  if (!impl->stream.open(path.string())) {
+  auto impl = std::make_unique<Impl>(path);
+  if (!impl->stream.is_open()) {
     return invalid("{}: can't be written; does its folder exist, and may you write there?",
                    path.string());
   }
@@ -39,14 +44,22 @@ Result<void> RawlogWriter::add(const DepthFrame& frame, double stamp_s) {
   try {
     mrpt::serialization::archiveFrom(impl_->stream) << observation;
   } catch (const std::exception&) {
-    return invalid("{}: writing failed; is the disk full?", impl_->path.string());
+    return impl_->fail_writing();
   }
   return {};
 }
 
+Result<void> RawlogWriter::finish() {
+  if (!impl_->stream.close()) return impl_->fail_writing();
+  return {};
+}
+
 struct RawlogReader::Impl {
+  explicit Impl(std::filesystem::path file)
+      : path(std::move(file)), stream(path, GzipStream::Mode::kRead) {}
+
   std::filesystem::path path;
-  mrpt::io::CFileGZInputStream stream;
+  GzipStream stream;
   std::deque<mrpt::obs::CObservation3DRangeScan::Ptr> waiting;  ///< read, not yet given out
   std::size_t given_n = 0;
   std::optional<Error> broken;
@@ -78,9 +91,8 @@ Result<RawlogReader> RawlogReader::open(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, error)) {
     return invalid("{}: there is no such rawlog", path.string());
   }
-  auto impl = std::make_unique<Impl>();
-  impl->path = path;
-  if (!impl->stream.open(path.string())) {
+  auto impl = std::make_unique<Impl>(path);
+  if (!impl->stream.is_open()) {
     return invalid("{}: can't be read; may you read it?", path.string());
   }
   return RawlogReader(std::move(impl));
@@ -92,9 +104,9 @@ Result<std::optional<DepthFrame>> RawlogReader::next() {
   while (impl_->waiting.empty()) {
     try {
       impl_->collect(archive.ReadObject());
-    } catch (const mrpt::serialization::CExceptionEOF&) {
-      return std::nullopt;
-    } catch (const std::exception&) {
+    } catch (const std::exception& e) {
+      const bool ended = dynamic_cast<const mrpt::serialization::CExceptionEOF*>(&e) != nullptr;
+      if (ended && impl_->stream.good()) return std::nullopt;
       return impl_->fail_here("the file is cut short or damaged; record it again");
     }
   }

@@ -111,7 +111,7 @@ Hull with_few_vertices(const Hull& full, double tolerance_m) {
         [&](const auto& p, const auto& q) { return p.dot(direction) < q.dot(direction); }));
   }
   while (true) {
-    const Hull hull = hull_of(chosen);
+    Hull hull = hull_of(chosen);
     double farthest_m = tolerance_m;
     const Eigen::Vector3d* farthest = nullptr;
     for (const Eigen::Vector3d& p : full.vertices_m) {

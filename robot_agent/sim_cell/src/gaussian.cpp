@@ -26,18 +26,22 @@ std::vector<float> convolve(const std::vector<float>& image, int width_px, int h
   };
   std::vector<float> rows(image.size(), 0);
   for (int v = 0; v < height_px; ++v) {
-    for (int k = -radius; k <= radius; ++k) {
-      const float weight = kernel[std::size_t(k + radius)];
+    int k = -radius;
+    for (const float weight : kernel) {
       for (int u = std::max(0, -k); u < std::min(width_px, width_px - k); ++u) {
         rows[at(u, v)] += weight * image[at(u + k, v)];
       }
+      ++k;
     }
   }
   std::vector<float> result(image.size(), 0);
   for (int v = 0; v < height_px; ++v) {
-    for (int k = std::max(-radius, -v); k <= std::min(radius, height_px - 1 - v); ++k) {
-      const float weight = kernel[std::size_t(k + radius)];
-      for (int u = 0; u < width_px; ++u) result[at(u, v)] += weight * rows[at(u, v + k)];
+    int from = v - radius;
+    for (const float weight : kernel) {
+      if (from >= 0 && from < height_px) {
+        for (int u = 0; u < width_px; ++u) result[at(u, v)] += weight * rows[at(u, from)];
+      }
+      ++from;
     }
   }
   return result;

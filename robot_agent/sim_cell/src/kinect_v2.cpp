@@ -67,7 +67,7 @@ void average_footprint(const Rendering& fine, std::span<const SceneObject> scene
 Image look(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
            std::uint64_t seed) {
   const CameraIntrinsics& camera = sensor.camera;
-  const std::vector<Eigen::Vector2d> rays = pixel_rays(camera);
+  const std::vector<Eigen::Vector3d> rays = pixel_rays(camera);
   const int n = sensor.rays_per_side_n;
   const Rendering fine = render(rectified_camera(camera, rays, n), scene);
 

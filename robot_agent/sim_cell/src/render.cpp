@@ -137,10 +137,10 @@ Rendering render_rectified(const CameraIntrinsics& camera, std::span<const Scene
 
 /// Each of the camera's rays reads the nearest pixel of a finer, rectified image.
 Rendering resample(Rendering fine, const CameraIntrinsics& camera,
-                   const std::vector<Eigen::Vector2d>& rays) {
+                   const std::vector<Eigen::Vector3d>& rays) {
   Rendering rendering;
   rendering.camera = camera;
-  for (const Eigen::Vector2d& ray : rays) {
+  for (const Eigen::Vector3d& ray : rays) {
     const Eigen::Vector2d uv = project(fine.camera, ray);
     const std::size_t i = fine.index(int(std::lround(uv.x())), int(std::lround(uv.y())));
     rendering.z_m.push_back(fine.z_m[i]);
@@ -155,7 +155,7 @@ Rendering resample(Rendering fine, const CameraIntrinsics& camera,
 
 Rendering render(const CameraIntrinsics& camera, std::span<const SceneObject> objects) {
   if (camera.distortion == std::array<double, 5>{}) return render_rectified(camera, objects);
-  const std::vector<Eigen::Vector2d> rays = pixel_rays(camera);
+  const std::vector<Eigen::Vector3d> rays = pixel_rays(camera);
   return resample(render_rectified(rectified_camera(camera, rays, kRaysPerSide), objects), camera,
                   rays);
 }

@@ -43,8 +43,8 @@ class YamlMap {
 
  private:
   friend class YamlDocument;
-  YamlMap(YamlDocument* document, YAML::Node node, std::set<std::string>* known)
-      : document_(document), node_(std::move(node)), known_(known) {}
+  YamlMap(YamlDocument* document, const YAML::Node& node, std::set<std::string>* known)
+      : document_(document), node_(node), known_(known) {}
 
   YAML::Node find(std::string_view key);
   void read(const YAML::Node& node, std::string_view key, double& value);

@@ -21,6 +21,8 @@ class RawlogWriter {
 
   /// `stamp_s`: seconds since 1970, the file's order is the order of calls.
   Result<void> add(const DepthFrame& frame, double stamp_s);
+  /// Writes what is still in memory. The destructor does so too, but can't say that it failed.
+  Result<void> finish();
 
  private:
   struct Impl;

@@ -27,7 +27,7 @@ struct SceneOptions {
   double bin_wall_m = 0.005;
   double camera_height_m = 0.75;  ///< above the bin's floor
   double camera_tilt_rad = 0;     ///< about the bin's x axis, still towards the bin's centre
-  double gloss = 0;            ///< of the parts; see SceneObject
+  double gloss = 0;               ///< of the parts; see SceneObject
   KinectV2Parameters sensor;
 };
 
@@ -42,6 +42,7 @@ class SceneMaker {
   static Result<SceneMaker> create(const parts::Catalogue& catalogue, SceneOptions options);
 
   /// The frame with its true poses, visible fractions and instance ids; `k` is its BOP number.
+  /// Parts that would not stay in the bin are left out. Any number of threads may call it.
   Result<BopImage> make(int k) const;
 
  private:

@@ -23,14 +23,14 @@ struct PreprocessParameters {
 
 struct SegmentationParameters {
   Segmentation method = Segmentation::kImprovedDbscan;
-  double eps_m = 0.004;
-  int min_points_n = 6;  ///< MinPts: neighbours of a core point, itself included
+  double eps_m = 0.005;
+  int min_points_n = 13;  ///< MinPts: neighbours of a core point, itself included
   int octree_depth_n = 8;
   double smoothness_rad = 0.2;  ///< θ_th of Algorithm 1
   double curvature = 0.05;      ///< c_th of Algorithm 1
-  double euclidean_tolerance_m = 0.003;
+  double euclidean_tolerance_m = 0.0028;
   int region_neighbours_n = 30;
-  double region_smoothness_rad = 0.25;
+  double region_smoothness_rad = 0.2;
   double region_curvature = 0.15;
   double min_segment_share = 0.05;  ///< of the points the whole part would show
 };

@@ -1,0 +1,94 @@
+/// Recorded frames that nobody here made. They are no part of the product: where they are absent,
+/// these tests skip.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "graspd/eval/evaluate.hpp"
+#include "graspd/perception/preprocess.hpp"
+#include "graspd/perception/segmentation.hpp"
+
+namespace graspd {
+namespace {
+
+std::filesystem::path real_data() {
+  if (const char* folder = std::getenv("GRASPD_REAL_DATA")) return folder;
+  return std::filesystem::path(GRASPD_SOURCE_DIR) / "../shared/data";
+}
+
+class RealFrames : public ::testing::Test {
+ protected:
+  void open(const std::string& set) {
+    if (!std::filesystem::exists(real_data() / set)) {
+      GTEST_SKIP() << "no recorded frames in " << real_data() / set
+                   << "; say where they are in GRASPD_REAL_DATA";
+    }
+    auto scene = BopScene::open(real_data() / set / "scene");
+    ASSERT_TRUE(scene) << scene.error().message;
+    scene_ = *std::move(scene);
+    parts::PartDescription description;
+    description.id = "kinect_tee";
+    description.bop_obj_id = 1;
+    description.mesh_file = real_data() / "kinect_tees/models/tee.stl";
+    auto part = parts::make_part(description);
+    ASSERT_TRUE(part) << part.error().message;
+    std::vector<parts::Part> parts;
+    parts.push_back(*std::move(part));
+    catalogue_ = parts::Catalogue(std::move(parts));
+  }
+
+  eval::ImageReport evaluate(int im_id) {
+    const auto image = scene_.read(im_id);
+    EXPECT_TRUE(image) << image.error().message;
+    const PlanRequest request = eval::request_for(*image, catalogue_, {});
+    auto report = eval::evaluate_image(*image, 0, request, catalogue_, {});
+    EXPECT_TRUE(report) << report.error().message;
+    return *std::move(report);
+  }
+
+  BopScene scene_;
+  parts::Catalogue catalogue_;
+};
+
+/// Counted by eye in the overlays (tests/bench/README.md): about 4, 9, 6 and 4 tees.
+TEST_F(RealFrames, MostTeesOfTheLoosePilesAreAnswered) {
+  open("kinect_tees");
+  if (IsSkipped()) return;
+  EXPECT_GE(evaluate(1).answer.objects.size(), 6U);
+  EXPECT_GE(evaluate(2).answer.objects.size(), 5U);
+  EXPECT_GE(evaluate(3).answer.objects.size(), 3U);
+}
+
+TEST_F(RealFrames, NoTeeIsAnsweredOutsideOfTheHeap) {
+  open("kinect_tees");
+  if (IsSkipped()) return;
+  const eval::ImageReport report = evaluate(0);
+  EXPECT_GE(report.answer.objects.size(), 1U);
+  const Eigen::Vector3d heap_camera_m(0.0, -0.03, 0.66);  // seen at pixels (205 … 305, 130 … 200)
+  for (const BopResult& result : report.results) {
+    EXPECT_LT((result.T_camera_part.translation() - heap_camera_m).norm(), 0.12);
+  }
+}
+
+TEST_F(RealFrames, HouseholdObjectsApartAreSegmented) {
+  open("osd_instances");
+  if (IsSkipped()) return;
+  eval::SegmentationAccuracy accuracy;
+  for (const int im_id : scene_.image_ids()) {
+    const auto image = scene_.read(im_id);
+    ASSERT_TRUE(image) << image.error().message;
+    const perception::Parameters parameters;
+    const parts::Part* const part = &catalogue_.parts().front();
+    const PlanRequest request = eval::request_for(*image, catalogue_, {});
+    const perception::Scene scene =
+        perception::preprocess(image->frame, request, part->diameter_m, parameters.preprocess);
+    const auto segments = perception::segment(scene.cloud, {&part, 1}, parameters.preprocess,
+                                              parameters.segmentation);
+    accuracy += eval::segmentation_accuracy(scene.cloud, segments, *image);
+  }
+  EXPECT_GT(accuracy.objects_n, 10);
+  EXPECT_GT(accuracy.accuracy(), 0.4);
+}
+
+}  // namespace
+}  // namespace graspd
