@@ -23,8 +23,8 @@ struct PreprocessParameters {
 
 struct SegmentationParameters {
   Segmentation method = Segmentation::kImprovedDbscan;
-  double eps_m = 0.005;
-  int min_points_n = 13;  ///< MinPts: neighbours of a core point, itself included
+  double eps_m = 0.004;
+  int min_points_n = 6;  ///< MinPts: neighbours of a core point, itself included
   int octree_depth_n = 8;
   double smoothness_rad = 0.2;  ///< θ_th of Algorithm 1
   double curvature = 0.05;      ///< c_th of Algorithm 1
