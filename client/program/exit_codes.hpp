@@ -1,13 +1,12 @@
 #pragma once
 
+#include "graspd/command_line/run_program.hpp"
 #include "graspd/types/answer.hpp"
 #include "graspd/types/result.hpp"
 
 /// What grasp's exit codes say; `grasp --help` documents them.
 namespace graspd::program {
 
-inline constexpr int kExitServerDefect = 1;
-inline constexpr int kExitWrongInput = 2;
 inline constexpr int kExitTryAgain = 3;
 inline constexpr int kExitNothingToGrasp = 4;
 
@@ -30,7 +29,7 @@ inline int exit_code(Code code) {
     case Code::kInternal:
       break;
   }
-  return kExitServerDefect;
+  return kExitFailed;
 }
 
 inline int exit_code(Outcome outcome) {

@@ -1,10 +1,12 @@
 #include <signal.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdio>
+
 #include "cell_config.hpp"
 #include "cell_frames.hpp"
 #include "commands.hpp"
-#include "exit_codes.hpp"
+#include "graspd/command_line/run_program.hpp"
 #include "graspd/record/recording_arm.hpp"
 #include "graspd/server_planner/server_planner.hpp"
 #include "report.hpp"
@@ -102,10 +104,11 @@ Result<int> run_cell(const RunArguments& arguments) {
   spdlog::info("{}: planning at {}, replaying {}", config->cell, fmt::join(config->servers, ", "),
                config->camera.path.lexically_normal().string());
   if (!arguments.no_header) fmt::print("{}\n", report_header());
+  std::fflush(stdout);  // above the lines of other agents that share the terminal
   const bool done = pick(config->cell, cycle);
   spdlog::log(done ? spdlog::level::info : spdlog::level::err, "{}: {}, {} parts placed: {}",
               config->cell, done ? "done" : "stopped", reporter.placed_n(), cycle.reason());
-  return done ? kExitDone : kExitStopped;
+  return done ? kExitDone : kExitFailed;
 }
 
 int run(const RunArguments& arguments) {

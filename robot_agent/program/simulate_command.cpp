@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "commands.hpp"
-#include "exit_codes.hpp"
+#include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/cell.hpp"
 #include "graspd/sim_cell/scene.hpp"
 
@@ -80,9 +80,11 @@ Result<void> write_cell_files(const fs::path& directory) {
   const std::string calibration = fmt::format(
       "image_width: {}\nimage_height: {}\n"
       "camera_matrix: {{rows: 3, cols: 3, dt: d, data: [{}, 0, {}, 0, {}, {}, 0, 0, 1]}}\n"
+      "distortion_coefficients: {{rows: 1, cols: {}, dt: d, data: [{}]}}\n"
       "depth_scale_m: {}\nT_base_camera: {}\n",
       camera.width_px, camera.height_px, camera.fx_px, camera.cx_px, camera.fy_px, camera.cy_px,
-      image->frame.depth_scale_m, pose_numbers(T_base_camera));
+      camera.distortion.size(), fmt::join(camera.distortion, ", "), image->frame.depth_scale_m,
+      pose_numbers(T_base_camera));
   if (auto ok = write_file(directory / "camera.yaml", calibration); !ok) return ok;
   if (!image->bin) return {};
   const Eigen::Vector3d& size_m = image->bin->inner_size_m;
@@ -109,7 +111,7 @@ int simulate(const SimulateArguments& arguments) {
   const auto report = simulate_into(arguments);
   if (!report) {
     spdlog::error("{}", report.error().message);
-    return report.error().code == Code::kInternal ? kExitStopped : kExitWrongInput;
+    return report.error().code == Code::kInternal ? kExitFailed : kExitWrongInput;
   }
   fmt::print("{}: {} frames, {} parts, {:.0f} % of them visible by half or more\n",
              arguments.output.string(), report->frames_n, report->parts_n,

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "exit_codes.hpp"
+#include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/table.hpp"
 #include "graspd/parts/mesh_check.hpp"
 

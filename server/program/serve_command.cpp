@@ -13,13 +13,15 @@
 #include <system_error>
 
 #include "commands.hpp"
-#include "exit_codes.hpp"
+#include "graspd/command_line/run_program.hpp"
 #include "graspd/service/front.hpp"
 #include "graspd/service/private_directory.hpp"
 #include "planner.hpp"
 
 namespace graspd::program {
 namespace {
+
+constexpr int kExitCannotListen = 3;
 
 struct ServeArguments {
   std::string config;

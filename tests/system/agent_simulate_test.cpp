@@ -63,6 +63,28 @@ TEST_F(AgentSimulateTest, WritesCameraAndBinForTheCommandLine) {
   EXPECT_EQ(camera->camera.width_px, 512);
 }
 
+TEST_F(AgentSimulateTest, WritesTheCameraThatItWasGiven) {
+  const auto given_path =
+      folder.write("given.yaml",
+                   "image_width: 320\nimage_height: 240\n"
+                   "camera_matrix: {rows: 3, cols: 3, data: [251, 0, 158, 0, 252, 121, 0, 0, 1]}\n"
+                   "distortion_coefficients: {rows: 1, cols: 5, data: [0.09, -0.27, 0.001, -0.002, "
+                   "0.095]}\n");
+  const Finished finished =
+      simulate("--part tee=1 --camera " + given_path.string() + " --out " + out("a"));
+  ASSERT_EQ(finished.exit_code, 0) << finished.output;
+  const auto given = read_camera(given_path);
+  const auto written = read_camera(out("a") + "/camera.yaml");
+  ASSERT_TRUE(given && written);
+  EXPECT_EQ(written->camera.width_px, given->camera.width_px);
+  EXPECT_EQ(written->camera.height_px, given->camera.height_px);
+  EXPECT_EQ(written->camera.fx_px, given->camera.fx_px);
+  EXPECT_EQ(written->camera.fy_px, given->camera.fy_px);
+  EXPECT_EQ(written->camera.cx_px, given->camera.cx_px);
+  EXPECT_EQ(written->camera.cy_px, given->camera.cy_px);
+  EXPECT_EQ(written->camera.distortion, given->camera.distortion);
+}
+
 TEST_F(AgentSimulateTest, TheSameSeedMakesTheSameFrames) {
   ASSERT_EQ(simulate("--part tee=2 --seed 7 --out " + out("a")).exit_code, 0);
   ASSERT_EQ(simulate("--part tee=2 --seed 7 --out " + out("b")).exit_code, 0);

@@ -12,7 +12,7 @@ namespace graspd {
 inline DepthFrame example_frame(int width_px = 16, int height_px = 12) {
   DepthFrame frame;
   frame.camera = {width_px, height_px, 20, 20, width_px / 2.0, height_px / 2.0, {}};
-  frame.depth.assign(static_cast<std::size_t>(width_px * height_px), 700);
+  frame.depth.assign(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px), 700);
   frame.depth[0] = 0;
   return frame;
 }

@@ -57,7 +57,8 @@ TEST_P(CorruptedAnswer, IsInternalWithASentence) {
       << decoded.error().message;
 }
 
-std::vector<Row> rows_of_one_number(const std::string& parent, std::vector<std::string> names) {
+std::vector<Row> rows_of_one_number(const std::string& parent,
+                                    const std::vector<std::string>& names) {
   std::vector<Row> rows;
   for (const std::string& name : names) {
     const std::string path = parent + name;

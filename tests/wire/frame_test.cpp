@@ -33,7 +33,7 @@ DepthFrame frame_of(int width_px, int height_px, std::vector<std::uint16_t> dept
 /// Images that are hard in different ways, each with at least one reading.
 std::vector<DepthFrame> some_frames() {
   constexpr int kSide_px = 64;
-  constexpr auto kPixels_n = static_cast<std::size_t>(kSide_px * kSide_px);
+  constexpr std::size_t kPixels_n = kSide_px * kSide_px;
   std::mt19937 rng(1);
   std::vector<std::uint16_t> lonely(kPixels_n, 0), flat(kPixels_n, 1000), extremes(kPixels_n),
       noisy(kPixels_n), anything(kPixels_n), sparse(kPixels_n, 0);

@@ -47,7 +47,7 @@ class Field {
     return value;
   }
   /// Names end up in sentences, logs and metrics: short, and nothing that moves a cursor.
-  const std::string& name(const std::string& value) const {
+  std::string name(std::string value) const {
     constexpr std::size_t kMaxName_bytes = 128;
     if (value.size() > kMaxName_bytes) {
       refuse("a name of {} bytes; at most {} are taken", value.size(), kMaxName_bytes);

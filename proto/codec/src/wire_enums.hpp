@@ -141,7 +141,7 @@ struct WireEnum<Outcome> {
 };
 
 template <class E>
-typename WireEnum<E>::Wire to_wire(E value) {
+WireEnum<E>::Wire to_wire(E value) {
   for (const auto& [ours, wire] : WireEnum<E>::values) {
     if (ours == value) return wire;
   }

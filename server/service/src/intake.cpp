@@ -8,7 +8,7 @@ namespace {
 Result<void> check_frames(const Message& message) {
   if (message.arrived_n < 2) return invalid("the message has no envelope");
   const zmq::message_t& envelope = message.frames[1];
-  if (envelope.size() == 0) {
+  if (envelope.empty()) {
     return invalid("the envelope is empty; REQ sockets put an empty frame there: use a DEALER");
   }
   if (envelope.size() > kMaxRequestEnvelope_bytes) {

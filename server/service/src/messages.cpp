@@ -4,15 +4,14 @@ namespace graspd::service {
 
 bool receive(zmq::socket_t& socket, std::size_t kept, Message& message) {
   message = {};
-  zmq::message_t frame;
-  if (!socket.recv(frame, zmq::recv_flags::dontwait)) return false;
-  while (true) {
+  // Only the first frame may be missing: the rest of a message is always there.
+  for (auto flags = zmq::recv_flags::dontwait;; flags = zmq::recv_flags::none) {
+    zmq::message_t frame;
+    if (!socket.recv(frame, flags)) return false;
     const bool more = frame.more();
     ++message.arrived_n;
     if (message.frames.size() < kept) message.frames.push_back(std::move(frame));
     if (!more) return true;
-    frame.rebuild();
-    (void)socket.recv(frame, zmq::recv_flags::none);  // the rest of a message is always there
   }
 }
 
