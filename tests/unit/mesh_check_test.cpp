@@ -41,8 +41,8 @@ TEST(CheckMesh, FindsNothingWrongWithAGoodMeshAndSaysSoOfEachTopic) {
   EXPECT_THAT(faults(good_mesh()), IsEmpty());
   std::vector<std::string> topics;
   for (const auto& finding : check_mesh(good_mesh(), {})) topics.push_back(finding.topic);
-  EXPECT_THAT(topics,
-              ElementsAre("units", "normals", "holes", "edges", "triangles", "pieces", "size"));
+  EXPECT_THAT(topics, ElementsAre("units", "normals", "holes", "edges", "triangles", "pieces",
+                                  "symmetries", "size", "walls"));
 }
 
 TEST(CheckMesh, NoTriangles) {
@@ -179,9 +179,9 @@ TEST(CheckMesh, TooManyTriangles) {
 }
 
 TEST(CheckMesh, TooSmallForTheSensorSaysFromWhereItIsNot) {
-  const Mesh rod = box_mesh({0, 0, 0}, {0.06F, 0.012F, 0.012F});
+  const Mesh rod = box_mesh({0, 0, 0}, {0.06F, 0.015F, 0.015F});
   EXPECT_THAT(only_fault(rod, "size", Severity::kWarning),
-              HasSubstr("5.8 pixels wide (12 mm); telling its pose takes 8: bring the camera to "
+              HasSubstr("7.3 pixels wide (15 mm); telling its pose takes 10: bring the camera to "
                         "0.55 m."));
   SensorResolution nearer;
   nearer.distance_m = 0.54;
@@ -189,7 +189,7 @@ TEST(CheckMesh, TooSmallForTheSensorSaysFromWhereItIsNot) {
 
   const Mesh pin = box_mesh({0, 0, 0}, {0.06F, 0.008F, 0.008F});
   EXPECT_THAT(only_fault(pin, "size", Severity::kWarning),
-              HasSubstr("0.37 m, which is nearer than a Kinect v2 sees"));
+              HasSubstr("0.29 m, which is nearer than a Kinect v2 sees"));
 }
 
 TEST(CheckMesh, TooFlatForTheSensor) {
@@ -199,6 +199,25 @@ TEST(CheckMesh, TooFlatForTheSensor) {
   SensorResolution better;
   better.depth_noise_m = 0.0009;
   EXPECT_THAT(faults(plate, better), IsEmpty());
+}
+
+TEST(CheckMesh, WallsThinnerThanAPixel) {
+  // A hollow box of 1.5 mm sheet, and one of 3 mm.
+  const auto hollow_box = [](float wall_m) {
+    const Mesh outside = box_mesh({0, 0, 0}, {0.06F, 0.05F, 0.04F});
+    Mesh inside = box_mesh({wall_m, wall_m, wall_m},
+                           {0.06F - 2 * wall_m, 0.05F - 2 * wall_m, 0.04F - 2 * wall_m});
+    for (auto& triangle : inside.triangles) std::swap(triangle[0], triangle[1]);
+    return joined(outside, inside);
+  };
+  const auto thin = faults(hollow_box(0.0015F));
+  ASSERT_EQ(thin.size(), 2U);  // the inside is a piece of its own
+  EXPECT_EQ(thin[1].topic, "walls");
+  EXPECT_THAT(thin[1].sentence, HasSubstr("thinner than a pixel, which is 2.1 mm wide at 0.75 m"));
+  EXPECT_EQ(faults(hollow_box(0.003F)).size(), 1U);
+  SensorResolution nearer;
+  nearer.distance_m = 0.5;
+  EXPECT_EQ(faults(hollow_box(0.0015F), nearer).size(), 1U);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// The catalogue that is delivered: that its meshes are sound, that its symmetries are those of the
-// meshes and no others are left out, and that a parallel gripper can take the parts where it says.
+// The catalogue that is delivered: that its meshes are sound, that the symmetries found are those
+// of the parts and no others are left out, and that a parallel gripper can take the parts where it
+// says.
 
 #include <gmock/gmock.h>
 
@@ -12,11 +13,13 @@
 #include "graspd/parts/mesh_check.hpp"
 #include "graspd/types/request.hpp"
 #include "part_test_support.hpp"
+#include "symmetry_meshes.hpp"
 
 namespace graspd::parts {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::StartsWith;
 
 const Catalogue& own_catalogue() {
   static const Catalogue catalogue = Catalogue::load(own_parts_folder()).value();
@@ -57,32 +60,6 @@ TEST_P(OwnPart, HasAMeshWithNothingToFind) {
 
 // --- symmetries -------------------------------------------------------------------------------
 
-double squared_distance(const Eigen::Vector3f& p, const Eigen::Vector3f& a,
-                        const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
-  const auto to_segment = [&p](const Eigen::Vector3f& from, const Eigen::Vector3f& to) {
-    const Eigen::Vector3f d = to - from;
-    const float s = std::clamp((p - from).dot(d) / d.squaredNorm(), 0.0F, 1.0F);
-    return (p - from - s * d).squaredNorm();
-  };
-  const Eigen::Vector3f normal = (b - a).cross(c - a).normalized();
-  const bool is_above = (b - a).cross(p - a).dot(normal) >= 0 &&
-                        (c - b).cross(p - b).dot(normal) >= 0 &&
-                        (a - c).cross(p - c).dot(normal) >= 0;
-  const float height = (p - a).dot(normal);
-  return is_above ? height * height
-                  : std::min({to_segment(a, b), to_segment(b, c), to_segment(c, a)});
-}
-
-double distance_m(const Mesh& mesh, const Eigen::Vector3f& p) {
-  double best = 1;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    best = std::min(best, squared_distance(p, mesh.vertices_m[static_cast<std::size_t>(a)],
-                                           mesh.vertices_m[static_cast<std::size_t>(b)],
-                                           mesh.vertices_m[static_cast<std::size_t>(c)]));
-  }
-  return std::sqrt(best);
-}
-
 constexpr double kSame_m = 0.0001;  // tessellation leaves some of it
 constexpr double kOther_m = 0.001;
 
@@ -103,11 +80,11 @@ Eigen::Isometry3d turn_about(const Eigen::Vector3d& point_m, const Eigen::Vector
          Eigen::Translation3d(-point_m);
 }
 
-/// Whether the part file's symmetries, products of them included, hold this pose.
-bool is_stated(const Symmetries& symmetries, const Eigen::Isometry3d& T) {
-  std::vector<Eigen::Isometry3d> stated = symmetries.discrete;
-  stated.push_back(Eigen::Isometry3d::Identity());
-  return std::any_of(stated.begin(), stated.end(), [&](const Eigen::Isometry3d& D) {
+/// Whether the part's symmetries, products of them included, hold this pose.
+bool is_found(const Symmetries& symmetries, const Eigen::Isometry3d& T) {
+  std::vector<Eigen::Isometry3d> found = symmetries.discrete;
+  found.push_back(Eigen::Isometry3d::Identity());
+  return std::any_of(found.begin(), found.end(), [&](const Eigen::Isometry3d& D) {
     const Eigen::Isometry3d rest = T * D.inverse();
     if (rest.isApprox(Eigen::Isometry3d::Identity(), 1e-3)) return true;
     return std::any_of(symmetries.continuous.begin(), symmetries.continuous.end(),
@@ -119,7 +96,27 @@ bool is_stated(const Symmetries& symmetries, const Eigen::Isometry3d& T) {
   });
 }
 
-TEST_P(OwnPart, StatedSymmetriesMapTheSurfaceOntoItself) {
+TEST(OwnCatalogue, HasTheSymmetriesThatTheCadSourcesSay) {
+  const auto sentence = [](const std::string& id) {
+    return symmetries_line(own_catalogue().find(id)->mesh);
+  };
+  EXPECT_THAT(sentence("tee"), StartsWith("symmetries_discrete: 1 (180° about (0, 1, 0)); "
+                                          "symmetries_continuous: 0."));
+  EXPECT_THAT(sentence("elbow"),
+              StartsWith("symmetries_discrete: 1 (180° about (0.707, 0.707, 0)); "
+                         "symmetries_continuous: 0."));
+  EXPECT_THAT(sentence("straight_pipe"),
+              StartsWith("symmetries_discrete: 1 (180° about (1, 0, 0)); "
+                         "symmetries_continuous: 1 (about (0, 0, 1))."));
+  EXPECT_THAT(sentence("hex_bolt"), StartsWith("symmetries_discrete: 5 (60° about (0, 0, 1)); "
+                                               "symmetries_continuous: 0."));
+  EXPECT_THAT(sentence("l_bracket"),
+              StartsWith("symmetries_discrete: 0; symmetries_continuous: 0."));
+  EXPECT_THAT(sentence("flanged_ring"),
+              StartsWith("symmetries_discrete: 0; symmetries_continuous: 1 (about (0, 0, 1))."));
+}
+
+TEST_P(OwnPart, FoundSymmetriesMapTheSurfaceOntoItself) {
   for (const Eigen::Isometry3d& T : part().symmetries.discrete) {
     EXPECT_LT(residual_m(part(), T), kSame_m) << T.matrix();
   }
@@ -137,7 +134,7 @@ TEST_P(OwnPart, NoOtherTurnAboutAPrincipalAxisDoes) {
       const Eigen::Isometry3d T = turn_about(part().barycentre_m, part().principal_axes.col(axis),
                                              angle_deg * std::numbers::pi / 180);
       const double moved_m = residual_m(part(), T);
-      if (is_stated(part().symmetries, T)) {
+      if (is_found(part().symmetries, T)) {
         EXPECT_LT(moved_m, kSame_m) << "axis " << axis << ", " << angle_deg << "°";
       } else {
         EXPECT_GT(moved_m, kOther_m) << "axis " << axis << ", " << angle_deg << "°";

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -112,6 +113,19 @@ inline std::string to_stl(const Mesh& mesh, double units_per_m) {
     text += "endloop\nendfacet\n";
   }
   return text + "endsolid test\n";
+}
+
+/// The property itself: every product is an element, and no two elements are the same.
+inline void expect_group(std::vector<Eigen::Isometry3d> group, double tolerance) {
+  group.push_back(Eigen::Isometry3d::Identity());
+  for (const auto& a : group) {
+    for (const auto& b : group) {
+      const auto same_n = std::count_if(group.begin(), group.end(), [&](const auto& element) {
+        return (element.matrix() - (a * b).matrix()).cwiseAbs().maxCoeff() < tolerance;
+      });
+      EXPECT_EQ(same_n, 1);
+    }
+  }
 }
 
 inline std::filesystem::path own_parts_folder() {

@@ -32,8 +32,9 @@ class ContentHash {
     for (const Scalar value : vector) add(static_cast<double>(value));
   }
   /// To 1e-9: the last bit of a sine is not the same on every machine.
-  void add(const Eigen::Isometry3d& T) {
-    for (const double value : T.matrix().reshaped()) add(std::int64_t{std::llround(value * 1e9)});
+  template <class Matrix>
+  void add_rounded(const Matrix& matrix) {
+    for (const double value : matrix.reshaped()) add(std::int64_t{std::llround(value * 1e9)});
   }
   void add_size(std::size_t size) { add(static_cast<std::int64_t>(size)); }
 
@@ -56,11 +57,11 @@ void add_mesh(ContentHash& hash, const Mesh& mesh) {
 
 void add_symmetries(ContentHash& hash, const Symmetries& symmetries) {
   hash.add_size(symmetries.discrete.size());
-  for (const auto& T : symmetries.discrete) hash.add(T);
+  for (const auto& T : symmetries.discrete) hash.add_rounded(T.matrix());
   hash.add_size(symmetries.continuous.size());
   for (const auto& symmetry : symmetries.continuous) {
-    hash.add(symmetry.axis);
-    hash.add(symmetry.point_m);
+    hash.add_rounded(symmetry.axis);
+    hash.add_rounded(symmetry.point_m);
   }
 }
 

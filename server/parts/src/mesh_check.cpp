@@ -6,6 +6,8 @@
 #include "length_unit.hpp"
 #include "mesh_geometry.hpp"
 #include "mesh_topology.hpp"
+#include "symmetries_sentence.hpp"
+#include "wall_thickness.hpp"
 
 namespace graspd::parts {
 namespace {
@@ -16,7 +18,9 @@ constexpr double kLargePart_m = 1.0;
 // Triangles beyond this tell a depth camera nothing, and every rendering pays for them.
 constexpr std::size_t kManyTriangles = 100'000;
 // Narrower than this, a part's shape is lost in the pixels at its silhouette.
-constexpr double kMinPixelsAcross = 8;
+constexpr double kMinPixelsAcross = 10;
+// Of the surface: less than this is an edge or a point, not a wall.
+constexpr double kWallShare = 0.1;
 // Flatter than this many standard deviations, a part that lies down is a ripple of the floor.
 constexpr double kMinThicknessSigmas = 4;
 constexpr double kKinectNearest_m = 0.5;
@@ -190,6 +194,12 @@ void check_pieces(const MeshTopology& topology, Findings& findings) {
   findings.add_if_none("pieces", "The mesh is one piece.");
 }
 
+void say_symmetries(const Mesh& mesh, Findings& findings) {
+  findings.add(Severity::kOk, "symmetries",
+               "{}. If that is wrong, part.yaml can say what is right.",
+               symmetries_sentence(find_symmetries(mesh)));
+}
+
 void check_size(const Eigen::Vector3d& extents, const SensorResolution& sensor,
                 Findings& findings) {
   const double across_m = extents[1];
@@ -217,6 +227,24 @@ void check_size(const Eigen::Vector3d& extents, const SensorResolution& sensor,
                        sensor.focal_length_px * extents[0] / sensor.distance_m, across_px);
 }
 
+void check_walls(const Mesh& mesh, const SensorResolution& sensor, Findings& findings) {
+  const double pixel_m = sensor.distance_m / sensor.focal_length_px;
+  const std::vector<double> thicknesses_m = wall_thicknesses_m(mesh);
+  const auto thin_n = std::count_if(thicknesses_m.begin(), thicknesses_m.end(),
+                                    [&](double thickness_m) { return thickness_m < pixel_m; });
+  const double share = static_cast<double>(thin_n) / static_cast<double>(thicknesses_m.size());
+  if (share > kWallShare) {
+    findings.add(
+        Severity::kWarning, "walls",
+        "{:.0f} % of the surface are walls or ribs thinner than a pixel, which is {:.2g} mm "
+        "wide at {:.2f} m: seen on edge they vanish from the depth image, so that only "
+        "their faces can tell the pose.",
+        share * 100, pixel_m * 1e3, sensor.distance_m);
+  }
+  findings.add_if_none("walls", "Its walls are thicker than a pixel, which is {:.2g} mm wide.",
+                       pixel_m * 1e3);
+}
+
 }  // namespace
 
 std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& sensor) {
@@ -234,8 +262,12 @@ std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& se
   check_edges(mesh, topology, findings);
   check_triangles(mesh, topology, findings);
   check_pieces(topology, findings);
+  say_symmetries(mesh, findings);
   // Of a part in the wrong unit, pixels say nothing.
-  if (diameter >= kSmallPart_m && diameter <= kLargePart_m) check_size(extents, sensor, findings);
+  if (diameter >= kSmallPart_m && diameter <= kLargePart_m) {
+    check_size(extents, sensor, findings);
+    if (topology.is_closed()) check_walls(mesh, sensor, findings);
+  }
   return findings.take();
 }
 

@@ -24,14 +24,13 @@ double tetrahedron_volume_m3(const Triangle& triangle, const Eigen::Vector3d& re
   return triangle.area_vector_m2().dot(triangle.corners_m[0] - reference_m) / 6.0;
 }
 
-/// The sign of an eigenvector is free: fix it, so that one mesh has one frame.
+}  // namespace
+
 Eigen::Vector3d with_fixed_sign(const Eigen::Vector3d& axis) {
   Eigen::Index largest = 0;
   axis.cwiseAbs().maxCoeff(&largest);
   return axis[largest] < 0 ? Eigen::Vector3d(-axis) : axis;
 }
-
-}  // namespace
 
 double surface_area_m2(const Mesh& mesh) {
   double area_m2 = 0;

@@ -27,6 +27,9 @@ inline Triangle triangle_of(const Mesh& mesh, const std::array<int, 3>& indices)
   return {{corner(indices[0]), corner(indices[1]), corner(indices[2])}};
 }
 
+/// The sign of an axis is free: fix it, so that one mesh has one.
+Eigen::Vector3d with_fixed_sign(const Eigen::Vector3d& axis);
+
 /// Eigenvectors of the surface's covariance as columns, largest variance first, right-handed.
 Eigen::Matrix3d principal_axes(const Mesh& mesh);
 

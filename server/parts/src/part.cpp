@@ -47,8 +47,9 @@ Result<Part> make_part(const PartDescription& description) {
   part.barycentre_m = barycentre_m(*mesh);
   part.principal_axes = principal_axes(*mesh);
   part.surface = sample_surface(*mesh, kTemplateSpacing_m);
+  part.symmetries = description.symmetries ? *description.symmetries : find_symmetries(*mesh);
+  part.registration = RegistrationModel(*mesh, part.surface, part.symmetries);
   part.mesh = std::move(*mesh);
-  part.symmetries = description.symmetries;
   part.pick_points = description.pick_points;
   part.color_rgb = description.color_rgb;
   return part;

@@ -159,7 +159,7 @@ Result<PartDescription> read_part_file(const std::filesystem::path& path) {
   if (!root.has("mesh_unit")) root.fault({}, "key 'mesh_unit' is missing");
   root.optional_enum("mesh_unit", part.mesh_unit);
   read_color(root, part.color_rgb);
-  part.symmetries = read_symmetries(root.map("symmetries"));
+  if (root.has("symmetries")) part.symmetries = read_symmetries(root.map("symmetries"));
   part.pick_points = read_pick_points(root);
   if (root.has("id") && !is_id(part.id)) {
     root.fault("id", "'id' must be made of letters, digits, '_', '-' and '.'");

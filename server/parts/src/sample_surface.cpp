@@ -6,11 +6,11 @@
 #include <unordered_map>
 #include <vector>
 
-#include "mesh_geometry.hpp"
+#include "graspd/parts/mesh.hpp"
+#include "visit_surface.hpp"
 
-// Poisson-disk sampling by dart throwing. Candidates follow a low-discrepancy sequence in each
-// triangle, many more than are wanted; each is kept unless a kept one is too near. Nothing is
-// random, so one mesh has one sample on every machine.
+// Poisson-disk sampling by dart throwing: of many more candidates than are wanted, each is kept
+// unless a kept one is too near.
 
 namespace graspd::parts {
 namespace {
@@ -70,42 +70,14 @@ class KeptPoints {
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
 };
 
-/// The i-th point of Roberts' R2 sequence: powers of 1/g, g the real root of x³ = x + 1.
-std::array<double, 2> r2_sequence(std::uint64_t i) {
-  constexpr double kG = 1.32471795724474602596;
-  const auto fraction = [](double x) { return x - std::floor(x); };
-  const auto n = static_cast<double>(i);
-  return {fraction(0.5 + n / kG), fraction(0.5 + n / (kG * kG))};
-}
-
-/// Unit square to triangle, evenly: what lies beyond the diagonal is folded back.
-Eigen::Vector3d point_in(const Triangle& triangle, double u, double v) {
-  if (u + v > 1) {
-    u = 1 - u;
-    v = 1 - v;
-  }
-  return triangle.corners_m[0] + u * (triangle.corners_m[1] - triangle.corners_m[0]) +
-         v * (triangle.corners_m[2] - triangle.corners_m[0]);
-}
-
 }  // namespace
 
 std::vector<SurfacePoint> sample_surface(const Mesh& mesh, double spacing_m) {
   if (!(spacing_m > 0)) throw std::invalid_argument("sample_surface: the spacing must be above 0");
   const double candidates_per_m2 = kCandidatesPerPoint / (spacing_m * spacing_m);
   KeptPoints kept(kMinDistanceShare * spacing_m);
-  double area_m2 = 0;
-  std::uint64_t i = 0;
-  for (const auto& indices : mesh.triangles) {
-    const Triangle triangle = triangle_of(mesh, indices);
-    const Eigen::Vector3f normal = triangle.area_vector_m2().normalized().cast<float>();
-    area_m2 += triangle.area_m2();
-    // Counted over the whole surface: triangles too small for a candidate of their own share one.
-    for (; static_cast<double>(i) < candidates_per_m2 * area_m2; ++i) {
-      const auto [u, v] = r2_sequence(i);
-      kept.add_unless_too_near({point_in(triangle, u, v).cast<float>(), normal});
-    }
-  }
+  visit_surface(mesh, candidates_per_m2,
+                [&kept](const SurfacePoint& candidate) { kept.add_unless_too_near(candidate); });
   return kept.take();
 }
 

@@ -23,7 +23,8 @@ struct SensorResolution {
 };
 
 /// What `grasp_server part check` says of a mesh: units, normals, holes, doubled or degenerate
-/// triangles, separate pieces, size against the sensor's resolution.
+/// triangles, separate pieces, the symmetries found, size and walls against the sensor's
+/// resolution.
 std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& sensor);
 
 }  // namespace graspd::parts

@@ -9,20 +9,10 @@
 #include <vector>
 
 #include "graspd/parts/mesh.hpp"
+#include "graspd/parts/registration_model.hpp"
+#include "graspd/parts/symmetries.hpp"
 
 namespace graspd::parts {
-
-/// The part looks the same after any turn about this axis.
-struct ContinuousSymmetry {
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
-};
-
-struct Symmetries {
-  /// T_part_part′: moves the part onto itself. Without the identity.
-  std::vector<Eigen::Isometry3d> discrete;
-  std::vector<ContinuousSymmetry> continuous;
-};
 
 /// A place to grasp, taught in the part file, in the part frame.
 struct PickPoint {
@@ -50,6 +40,7 @@ struct Part {
   std::vector<PickPoint> pick_points;
   std::array<std::uint8_t, 3> color_rgb{200, 200, 200};
   std::vector<SurfacePoint> surface;  ///< the template: points about a pixel of the sensor apart
+  RegistrationModel registration;     ///< what registration looks up
 };
 
 /// What a part is besides its mesh: the content of part.yaml.
@@ -59,7 +50,7 @@ struct PartDescription {
   int bop_obj_id = 0;
   std::filesystem::path mesh_file;
   LengthUnit mesh_unit = LengthUnit::kMillimetre;
-  Symmetries symmetries;
+  std::optional<Symmetries> symmetries;  ///< absent: those found in the mesh
   std::vector<PickPoint> pick_points;
   std::array<std::uint8_t, 3> color_rgb{200, 200, 200};
 };

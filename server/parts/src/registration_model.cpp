@@ -1,0 +1,213 @@
+#include "graspd/parts/registration_model.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "view_rendering.hpp"
+
+namespace graspd::parts {
+namespace {
+
+constexpr int kViews = 240;                // about 13° apart
+constexpr double kCellsAcross = 40;        // of a view, over the part's diameter
+constexpr std::size_t kSpreadPoints = 64;  // of a view: the leading ones
+constexpr double kAnchorsAcross = 12;      // along the part's diameter
+constexpr std::size_t kMaxAnchors = 400;
+constexpr int kCubeSide = 24;  // cells of the cube map: 3.75° wide
+constexpr std::size_t kReadAhead = 16;
+/// From the outline to where the surface must have ended: the sensor blurs an edge over two pixels
+/// of 2 mm to either side.
+constexpr double kBeyond_m = 0.005;
+
+/// Directions spread evenly over the sphere.
+std::vector<Eigen::Vector3f> fibonacci_directions(int count) {
+  const double golden_rad = std::numbers::pi * (3 - std::sqrt(5.0));
+  std::vector<Eigen::Vector3f> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2 * i + 1.0) / count;
+    const double r = std::sqrt(1 - z * z);
+    directions.push_back(
+        Eigen::Vector3d(r * std::cos(golden_rad * i), r * std::sin(golden_rad * i), z)
+            .cast<float>());
+  }
+  return directions;
+}
+
+/// Brings points to the front, each as far as can be from those before it, until the next would be
+/// nearer than `min_distance_m` or `most` are chosen. Distances count across `line_of_sight`, or
+/// in space where it is 0. \returns how many were chosen.
+std::size_t spread_first(std::vector<SurfacePoint>& points, std::size_t most, double min_distance_m,
+                         const Eigen::Vector3f& line_of_sight) {
+  const auto min_distance2 = static_cast<float>(min_distance_m * min_distance_m);
+  std::vector<float> distance2(points.size(), std::numeric_limits<float>::max());
+  Eigen::Vector3f last = Eigen::Vector3f::Zero();
+  for (const auto& point : points) last += point.position_m / static_cast<float>(points.size());
+  for (std::size_t chosen = 0; chosen < std::min(most, points.size()); ++chosen) {
+    std::size_t farthest = chosen;
+    for (std::size_t i = chosen; i < points.size(); ++i) {
+      const Eigen::Vector3f d = points[i].position_m - last;
+      const float along = d.dot(line_of_sight);
+      distance2[i] = std::min(distance2[i], d.squaredNorm() - along * along);
+      if (distance2[i] > distance2[farthest]) farthest = i;
+    }
+    if (chosen > 0 && distance2[farthest] < min_distance2) return chosen;
+    std::swap(points[chosen], points[farthest]);
+    std::swap(distance2[chosen], distance2[farthest]);
+    last = points[chosen].position_m;
+  }
+  return std::min(most, points.size());
+}
+
+/// Cell of a cube map.
+std::size_t cube_cell(const Eigen::Vector3f& direction) {
+  int axis = 0;
+  const float largest = direction.cwiseAbs().maxCoeff(&axis);
+  const int face = 2 * axis + (direction[axis] < 0 ? 1 : 0);
+  const auto along = [&](int other) {
+    const float at = (direction[other] / largest + 1) / 2 * kCubeSide;
+    return std::clamp(static_cast<int>(at), 0, kCubeSide - 1);
+  };
+  return static_cast<std::size_t>((face * kCubeSide + along((axis + 1) % 3)) * kCubeSide +
+                                  along((axis + 2) % 3));
+}
+
+/// The middle of a cell.
+Eigen::Vector3f cube_direction(int cell) {
+  const int face = cell / (kCubeSide * kCubeSide);
+  const auto at = [](int index) { return (static_cast<float>(index) + 0.5F) / kCubeSide * 2 - 1; };
+  Eigen::Vector3f direction;
+  direction[face / 2] = face % 2 == 0 ? 1.0F : -1.0F;
+  direction[(face / 2 + 1) % 3] = at(cell / kCubeSide % kCubeSide);
+  direction[(face / 2 + 2) % 3] = at(cell % kCubeSide);
+  return direction;
+}
+
+/// Whether a symmetry takes one surface point to about the other.
+class Equal {
+ public:
+  Equal(const Symmetries& symmetries, double distance_m)
+      : symmetries_(symmetries), distance_m_(static_cast<float>(distance_m)) {}
+
+  bool operator()(const SurfacePoint& a, const SurfacePoint& b) const {
+    const auto by_turn = [&](const Eigen::Isometry3d& T) {
+      return near(T.cast<float>() * a.position_m, b.position_m) &&
+             alike(T.linear().cast<float>() * a.normal, b.normal);
+    };
+    const auto by_axis = [&](const ContinuousSymmetry& symmetry) {
+      const auto [p_a, n_a] = about(symmetry, a);
+      const auto [p_b, n_b] = about(symmetry, b);
+      return near(p_a, p_b) && alike(n_a, n_b);
+    };
+    return std::any_of(symmetries_.discrete.begin(), symmetries_.discrete.end(), by_turn) ||
+           std::any_of(symmetries_.continuous.begin(), symmetries_.continuous.end(), by_axis);
+  }
+
+ private:
+  static constexpr float kAlikeCosine = 0.9F;
+
+  bool near(const Eigen::Vector3f& p, const Eigen::Vector3f& q) const {
+    return (p - q).squaredNorm() < distance_m_ * distance_m_;
+  }
+  static bool alike(const Eigen::Vector3f& n, const Eigen::Vector3f& m) {
+    return n.dot(m) > kAlikeCosine;
+  }
+  /// Position and normal, turned about the axis so that the position has no tangential part.
+  static std::pair<Eigen::Vector3f, Eigen::Vector3f> about(const ContinuousSymmetry& symmetry,
+                                                           const SurfacePoint& point) {
+    const Eigen::Vector3f axis = symmetry.axis.cast<float>();
+    const Eigen::Vector3f d = point.position_m - symmetry.point_m.cast<float>();
+    const Eigen::Vector3f across = d - d.dot(axis) * axis;
+    const float radius_m = across.norm();
+    const Eigen::Vector3f radial =
+        radius_m > 1e-6F ? Eigen::Vector3f(across / radius_m) : axis.unitOrthogonal();
+    const Eigen::Vector3f& n = point.normal;
+    return {{radius_m, 0, d.dot(axis)}, {n.dot(radial), n.dot(axis.cross(radial)), n.dot(axis)}};
+  }
+
+  const Symmetries& symmetries_;
+  float distance_m_;
+};
+
+}  // namespace
+
+void PointArrays::push_back(const SurfacePoint& point) {
+  x_m.push_back(point.position_m.x());
+  y_m.push_back(point.position_m.y());
+  z_m.push_back(point.position_m.z());
+  nx.push_back(point.normal.x());
+  ny.push_back(point.normal.y());
+  nz.push_back(point.normal.z());
+}
+
+RegistrationModel::RegistrationModel(const Mesh& mesh, std::span<const SurfacePoint> surface,
+                                     const Symmetries& symmetries) {
+  const double across_m = diameter_m(mesh);
+  add_views(mesh, across_m);
+  add_anchors(surface, across_m, symmetries);
+}
+
+const View& RegistrationModel::view_from(const Eigen::Vector3f& towards_camera) const {
+  return views_[nearest_view_[cube_cell(towards_camera)]];
+}
+
+void RegistrationModel::add_views(const Mesh& mesh, double diameter_m) {
+  const double cell_m = diameter_m / kCellsAcross;
+  std::uint32_t largest_n = 1;
+  for (const Eigen::Vector3f& direction : fibonacci_directions(kViews)) {
+    auto [seen, beyond] = render_view(mesh, direction, cell_m, kBeyond_m);
+    spread_first(seen, kSpreadPoints, 0, direction);
+    const auto count = static_cast<std::uint32_t>(seen.size());
+    largest_n = std::max(largest_n, count);
+    views_.push_back({direction, static_cast<std::uint32_t>(points_.size()), count,
+                      static_cast<std::uint32_t>(beyond_.size()),
+                      static_cast<std::uint32_t>(beyond.size()), 0});
+    for (const SurfacePoint& point : seen) points_.push_back(point);
+    for (const SurfacePoint& point : beyond) beyond_.push_back(point);
+  }
+  for (View& view : views_) {
+    view.area_share = static_cast<float>(view.points_n) / static_cast<float>(largest_n);
+  }
+  largest_view_m2_ = static_cast<float>(largest_n * cell_m * cell_m);
+  for (auto* arrays : {&points_, &beyond_}) {
+    for (auto* array : {&arrays->x_m, &arrays->y_m, &arrays->z_m}) {
+      array->resize(array->size() + kReadAhead);
+    }
+  }
+  for (int cell = 0; cell < 6 * kCubeSide * kCubeSide; ++cell) {
+    const Eigen::Vector3f direction = cube_direction(cell);
+    const auto nearest =
+        std::max_element(views_.begin(), views_.end(), [&](const View& a, const View& b) {
+          return a.towards_camera.dot(direction) < b.towards_camera.dot(direction);
+        });
+    nearest_view_.push_back(static_cast<std::uint16_t>(nearest - views_.begin()));
+  }
+}
+
+void RegistrationModel::add_anchors(std::span<const SurfacePoint> surface, double diameter_m,
+                                    const Symmetries& symmetries) {
+  // Only what is seen from where it faces: not the depth of a bore.
+  const auto cell_m = static_cast<float>(2 * diameter_m / kCellsAcross);
+  std::vector<SurfacePoint> outside;
+  for (const SurfacePoint& point : surface) {
+    const View& view = view_from(point.normal);
+    for (std::uint32_t i = view.first; i < view.first + view.points_n; ++i) {
+      if ((points_.position_m(i) - point.position_m).squaredNorm() > cell_m * cell_m) continue;
+      outside.push_back(point);
+      break;
+    }
+  }
+  const double spacing_m = diameter_m / kAnchorsAcross;
+  outside.resize(spread_first(outside, kMaxAnchors, spacing_m, Eigen::Vector3f::Zero()));
+  const Equal equal(symmetries, 0.7 * spacing_m);
+  for (const SurfacePoint& point : outside) {
+    const bool known =
+        std::any_of(anchors_.begin(), anchors_.end(),
+                    [&](const SurfacePoint& anchor) { return equal(point, anchor); });
+    if (!known) anchors_.push_back(point);
+  }
+}
+
+}  // namespace graspd::parts
