@@ -2,12 +2,11 @@
 /// in a heap, and simulated frames of such a heap in such a bin.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/bop.hpp"
 #include "graspd/formats/table.hpp"
 #include "graspd/sim_cell/bin_mesh.hpp"
@@ -144,24 +143,19 @@ Result<void> run(const Options& options) {
 }  // namespace
 }  // namespace graspd::bench
 
-int main(int argc, char** argv) try {
+int main(int count, char** words) {
   graspd::bench::Options options;
   options.data = graspd::bench::default_data();
-  CLI::App app("Compares simulated Kinect v2 frames with a real one.");
-  app.add_option("--data", options.data, "folder with kinect_tees")->capture_default_str();
-  app.add_option("--json", options.json, "write the numbers here");
-  app.add_option("--csv", options.csv, "write the table here");
-  app.add_option("--images", options.images, "write the simulated depth images into this folder");
-  app.add_option("--frames", options.frames_n, "simulated frames")->check(CLI::PositiveNumber);
-  app.add_option("--seed", options.seed, "of the first simulated frame");
-  CLI11_PARSE(app, argc, argv);
-  const auto done = graspd::bench::run(options);
-  if (!done) {
-    std::cerr << done.error().message << "\n";
-    return 1;
-  }
-  return 0;
-} catch (const std::exception& e) {
-  std::cerr << e.what() << "\n";
-  return 1;
+  return graspd::run_program("bench_sensor_comparison", count, words, [&](CLI::App& app) {
+    app.description("Compares simulated Kinect v2 frames with a real one.");
+    app.add_option("--data", options.data, "folder with kinect_tees")->capture_default_str();
+    app.add_option("--json", options.json, "write the numbers here");
+    app.add_option("--csv", options.csv, "write the table here");
+    app.add_option("--images", options.images, "write the simulated depth images into this folder");
+    app.add_option("--frames", options.frames_n, "simulated frames")->check(CLI::PositiveNumber);
+    app.add_option("--seed", options.seed, "of the first simulated frame");
+    app.callback([&] {
+      if (auto ok = graspd::bench::run(options); !ok) throw std::runtime_error(ok.error().message);
+    });
+  });
 }

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "graspd/command_line/run_program.hpp"
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/formats/table.hpp"
 #include "graspd/perception/preprocess.hpp"
@@ -133,19 +133,18 @@ Result<void> run(const Options& options) {
 }  // namespace
 }  // namespace graspd
 
-int main(int argc, char** argv) {
+int main(int count, char** words) {
   graspd::Options options;
-  CLI::App app{"Table I of the paper, measured on simulated Kinect v2 frames."};
-  app.add_option("--parts", options.parts, "part catalogue")->capture_default_str();
-  app.add_option("--out", options.out, "folder for table1.json and table1.csv")
-      ->capture_default_str();
-  app.add_option("--frames", options.frames_n, "of each part")->capture_default_str();
-  app.add_option("--count", options.parts_per_frame_n, "parts in a frame")->capture_default_str();
-  app.add_option("--seed", options.seed, "of the first frame")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  if (auto ok = graspd::run(options); !ok) {
-    std::cerr << ok.error().message << "\n";
-    return 1;
-  }
-  return 0;
+  return graspd::run_program("bench_table1", count, words, [&](CLI::App& app) {
+    app.description("Table I of the paper, measured on simulated Kinect v2 frames.");
+    app.add_option("--parts", options.parts, "part catalogue")->capture_default_str();
+    app.add_option("--out", options.out, "folder for table1.json and table1.csv")
+        ->capture_default_str();
+    app.add_option("--frames", options.frames_n, "of each part")->capture_default_str();
+    app.add_option("--count", options.parts_per_frame_n, "parts in a frame")->capture_default_str();
+    app.add_option("--seed", options.seed, "of the first frame")->capture_default_str();
+    app.callback([&] {
+      if (auto ok = graspd::run(options); !ok) throw std::runtime_error(ok.error().message);
+    });
+  });
 }

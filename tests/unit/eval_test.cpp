@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "block_scene.hpp"
-#include "graspd/eval/accuracy.hpp"
 #include "graspd/eval/pose_error.hpp"
+#include "graspd/eval/segmentation_accuracy.hpp"
 
 namespace graspd::eval {
 namespace {
@@ -16,22 +18,22 @@ Eigen::Isometry3d at(double x_m, double yaw_rad = 0) {
   return T;
 }
 
-class PoseError : public ::testing::Test {
+class PoseErrors : public ::testing::Test {
  protected:
   parts::Part part_ = testing::block_part("block", {0.06, 0.04, 0.02});
 };
 
-TEST_F(PoseError, OfAShiftIsTheShift) {
+TEST_F(PoseErrors, OfAShiftIsTheShift) {
   EXPECT_NEAR(mssd_m(part_, at(0.003), at(0)), 0.003, 1e-9);
   EXPECT_NEAR(mssd_m(part_, at(0), at(0)), 0, 1e-9);
 }
 
-TEST_F(PoseError, OfATurnIsTheFarthestCornersWay) {
+TEST_F(PoseErrors, OfATurnIsTheFarthestCornersWay) {
   // Half the diagonal of 60 × 40 mm is 36.06 mm; turned by 180° a corner moves by 72.1 mm.
   EXPECT_NEAR(mssd_m(part_, at(0, M_PI), at(0)), 0.07211, 1e-5);
 }
 
-TEST_F(PoseError, ForgivesSymmetries) {
+TEST_F(PoseErrors, ForgivesSymmetries) {
   Eigen::Isometry3d half_turn = Eigen::Isometry3d::Identity();
   half_turn.rotate(Eigen::AngleAxisd(M_PI, Vector3d::UnitZ()));
   part_.symmetries.discrete = {half_turn};
@@ -41,27 +43,42 @@ TEST_F(PoseError, ForgivesSymmetries) {
   EXPECT_LT(mssd_m(part_, at(0, 1.234), at(0)), 0.01 * part_.diameter_m);
 }
 
-TEST_F(PoseError, CountsEachObjectOnceAndLeavesTheHiddenOut) {
-  BopImage image;
-  image.truth = {{1, at(0), 0.9}, {1, at(0.1), 0.6}, {1, at(0.2), 0.2}};
-  std::vector<parts::Part> parts;
-  parts.push_back(part_);
-  const parts::Catalogue catalogue(std::move(parts));
-  const auto result = [](double score, double x_m) {
-    return BopResult{0, 0, 1, score, at(x_m), 0};
-  };
-  const PoseAccuracy accuracy = pose_accuracy(
-      std::vector<BopResult>{result(0.9, 0.001),  // right
-                             result(0.8, 0.002),  // the same object again: wrong
-                             result(0.7, 0.2),    // right, but hardly visible: does not count
-                             result(0.6, 0.5)},   // wrong
-      image, catalogue);
-  EXPECT_EQ(accuracy.objects_n, 2);
-  EXPECT_EQ(accuracy.found_n, 1);
-  EXPECT_EQ(accuracy.answers_n, 3);
-  EXPECT_EQ(accuracy.right_n, 1);
-  EXPECT_NEAR(accuracy.recall(), 0.5, 1e-9);
-  EXPECT_NEAR(accuracy.precision(), 1.0 / 3, 1e-9);
+Eigen::Isometry3d turned(double angle_rad, const Vector3d& axis) {
+  Eigen::Isometry3d T = at(0);
+  T.rotate(Eigen::AngleAxisd(angle_rad, axis.normalized()));
+  return T;
+}
+
+TEST_F(PoseErrors, AreTheBarycentresWayAndTheAngle) {
+  part_.barycentre_m = {0.01, 0, 0};
+  const double yaw_rad = 0.2;
+  const auto error = pose_error(part_, at(0.003, yaw_rad), at(0));
+  EXPECT_NEAR(error.rotation_rad, yaw_rad, 1e-9);
+  const Vector3d way_m(0.003 + 0.01 * (std::cos(yaw_rad) - 1), 0.01 * std::sin(yaw_rad), 0);
+  EXPECT_NEAR(error.translation_m, way_m.norm(), 1e-9);
+  EXPECT_NEAR(pose_error(part_, turned(M_PI, {1, 2, 3}), at(0)).rotation_rad, M_PI, 1e-9);
+}
+
+TEST_F(PoseErrors, AreTheLeastOverDiscreteSymmetries) {
+  Eigen::Isometry3d half_turn = Eigen::Isometry3d::Identity();
+  half_turn.rotate(Eigen::AngleAxisd(M_PI, Vector3d::UnitZ()));
+  part_.symmetries.discrete = {half_turn};
+  const auto error = pose_error(part_, at(0.002, M_PI + 0.1), at(0));
+  EXPECT_NEAR(error.rotation_rad, 0.1, 1e-9);
+  EXPECT_NEAR(error.translation_m, 0.002, 1e-9);
+}
+
+TEST_F(PoseErrors, CountNoTurnAboutAContinuousAxis) {
+  part_.symmetries.continuous = {{Vector3d(0, 0, 2), Vector3d::Zero()}};
+  EXPECT_NEAR(pose_error(part_, turned(1.234, Vector3d::UnitZ()), at(0)).rotation_rad, 0, 1e-9);
+  EXPECT_NEAR(pose_error(part_, turned(0.3, Vector3d::UnitX()), at(0)).rotation_rad, 0.3, 1e-9);
+  const Eigen::Isometry3d tilted_and_turned =
+      turned(0.3, Vector3d(1, 1, 0)) * Eigen::AngleAxisd(2.5, Vector3d::UnitZ());
+  EXPECT_NEAR(pose_error(part_, tilted_and_turned, at(0)).rotation_rad, 0.3, 1e-9);
+  EXPECT_NEAR(pose_error(part_, turned(M_PI, Vector3d::UnitX()), at(0)).rotation_rad, M_PI, 1e-9)
+      << "upside down is no turn about z";
+  part_.symmetries.continuous.push_back({Vector3d::UnitX(), Vector3d::Zero()});
+  EXPECT_EQ(pose_error(part_, turned(1, Vector3d(1, 2, 3)), at(0)).rotation_rad, 0) << "a ball";
 }
 
 /// A row of pixels at 1 m, ten for each instance.

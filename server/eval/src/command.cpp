@@ -4,10 +4,13 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <memory>
 
 #include "graspd/eval/evaluate.hpp"
+#include "graspd/eval/mesh_part.hpp"
+#include "graspd/eval/quantile.hpp"
 #include "graspd/formats/table.hpp"
 #include "graspd/parts/catalogue.hpp"
 #include "graspd/service/config.hpp"
@@ -16,6 +19,8 @@ namespace graspd::eval {
 namespace {
 
 constexpr int kExitFailed = 1;
+constexpr double kMillimetre_m = 1e-3;
+constexpr double kDegree_rad = M_PI / 180;
 
 struct Options {
   std::filesystem::path scene;
@@ -40,15 +45,10 @@ CLI::Validator one_of() {
 /// The catalogue, or the one part that --mesh makes. Its BOP number is the scene's first.
 Result<parts::Catalogue> load_parts(const Options& options, const BopScene& scene) {
   if (options.mesh.empty()) return parts::Catalogue::load(options.parts);
-  parts::PartDescription description;
-  description.id = options.mesh.stem().string();
-  description.name = description.id;
-  description.mesh_file = options.mesh;
-  description.mesh_unit = *parse_enum<parts::LengthUnit>(options.mesh_unit);
   const auto first = scene.read(scene.image_ids().front());
   if (!first) return tl::unexpected(first.error());
-  description.bop_obj_id = first->truth.empty() ? 1 : first->truth.front().obj_id;
-  auto part = parts::make_part(description);
+  auto part = mesh_part(options.mesh, *parse_enum<parts::LengthUnit>(options.mesh_unit),
+                        first->truth.empty() ? 1 : first->truth.front().obj_id);
   if (!part) return tl::unexpected(part.error());
   std::vector<parts::Part> parts;
   parts.push_back(*std::move(part));
@@ -89,6 +89,32 @@ std::vector<std::string> row_of(const ImageReport& report) {
           fmt::format("{:.1f}", report.time_s * 1e3)};
 }
 
+std::string to_text(const std::optional<Spread>& error, double unit) {
+  if (!error) return "–";
+  return fmt::format("{:.2f} ({:.2f})", error->median / unit, error->p90 / unit);
+}
+
+void print_poses(const PoseAccuracy& poses) {
+  fmt::print(
+      "poses: {} of {} objects visible by half or more found (recall {:.3f}), {} of {} answers "
+      "right (precision {:.3f}), AP {:.3f}; right is MSSD below 0.1 diameters\n"
+      "errors of the right answers, median (90th percentile):\n\n",
+      poses.found_n(), poses.objects_n(), poses.recall(), poses.right_n(), poses.answers_n(),
+      poses.precision(), poses.average_precision());
+  Table table({"visible", "objects", "found", "recall", "error mm", "error deg"});
+  const auto add = [&](const std::string& visible, const PoseAccuracy& accuracy) {
+    table.add({visible, std::to_string(accuracy.objects_n()), std::to_string(accuracy.found_n()),
+               accuracy.objects.empty() ? "–" : fmt::format("{:.3f}", accuracy.recall()),
+               to_text(accuracy.translation_error_m(), kMillimetre_m),
+               to_text(accuracy.rotation_error_rad(), kDegree_rad)});
+  };
+  for (const VisibilityBin& bin : poses.by_visibility()) {
+    add(fmt::format("{:.1f} to {:.1f}", bin.from, bin.to), bin.accuracy);
+  }
+  add("all", poses);
+  std::cout << table.to_text();
+}
+
 void print_totals(const std::vector<ImageReport>& reports) {
   SegmentationAccuracy segmentation;
   PoseAccuracy poses;
@@ -102,9 +128,7 @@ void print_totals(const std::vector<ImageReport>& reports) {
     has_segmentation |= report.segmentation.has_value();
     has_poses |= report.poses.has_value();
   }
-  const auto middle = times_s.begin() + static_cast<std::ptrdiff_t>(times_s.size() / 2);
-  std::nth_element(times_s.begin(), middle, times_s.end());
-  fmt::print("\nmedian time: {:.1f} ms a frame, loading excluded\n", *middle * 1e3);
+  fmt::print("\nmedian time: {:.1f} ms a frame, loading excluded\n", quantile(times_s, 0.5) * 1e3);
   if (has_segmentation) {
     fmt::print(
         "segmentation: {} of {} objects visible by half or more found at IoU 0.5 ({:.1f} %), {} "
@@ -112,13 +136,7 @@ void print_totals(const std::vector<ImageReport>& reports) {
         segmentation.found_n, segmentation.objects_n, segmentation.accuracy() * 100,
         segmentation.over_segmented_n, segmentation.under_segmented_n, segmentation.kept() * 100);
   }
-  if (has_poses) {
-    fmt::print(
-        "poses: {} of {} objects visible by half or more found (recall {:.3f}), {} of {} answers "
-        "right (precision {:.3f}); right is MSSD below 0.1 diameters\n",
-        poses.found_n, poses.objects_n, poses.recall(), poses.right_n, poses.answers_n,
-        poses.precision());
-  }
+  if (has_poses) print_poses(poses);
 }
 
 Result<void> check_parts(const Options& options, const parts::Catalogue& catalogue) {

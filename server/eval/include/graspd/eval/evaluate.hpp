@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "graspd/eval/accuracy.hpp"
+#include "graspd/eval/pose_accuracy.hpp"
+#include "graspd/eval/segmentation_accuracy.hpp"
 #include "graspd/perception/parameters.hpp"
 #include "graspd/types/answer.hpp"
 

@@ -1,11 +1,8 @@
 #pragma once
 
-#include <map>
 #include <span>
-#include <vector>
 
 #include "graspd/formats/bop.hpp"
-#include "graspd/parts/catalogue.hpp"
 #include "graspd/perception/cloud.hpp"
 
 namespace graspd::eval {
@@ -28,22 +25,5 @@ struct SegmentationAccuracy {
 SegmentationAccuracy segmentation_accuracy(const perception::Cloud& cloud,
                                            std::span<const perception::Indices> segments,
                                            const BopImage& image);
-
-/// How well posed parts agree with the true poses. A pose is right where its MSSD is below a tenth
-/// of the diameter. Objects visible by less than half neither help nor hurt (Brégier 2017).
-struct PoseAccuracy {
-  int objects_n = 0;  ///< visible by half or more
-  int found_n = 0;
-  int answers_n = 0;  ///< without those that hit a less visible object
-  int right_n = 0;
-
-  PoseAccuracy& operator+=(const PoseAccuracy& other);
-  double recall() const { return objects_n == 0 ? 0 : double(found_n) / objects_n; }
-  double precision() const { return answers_n == 0 ? 0 : double(right_n) / answers_n; }
-};
-
-/// \param results of this image, matched best score first, each true object once.
-PoseAccuracy pose_accuracy(std::span<const BopResult> results, const BopImage& image,
-                           const parts::Catalogue& catalogue);
 
 }  // namespace graspd::eval

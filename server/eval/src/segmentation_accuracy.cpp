@@ -1,19 +1,19 @@
-#include "graspd/eval/accuracy.hpp"
+#include "graspd/eval/segmentation_accuracy.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <vector>
 
-#include "graspd/eval/pose_error.hpp"
+#include "graspd/eval/visibility.hpp"
 #include "graspd/types/camera_model.hpp"
 
 namespace graspd::eval {
 namespace {
 
-constexpr double kMinVisible = 0.5;
 constexpr double kMinIou = 0.5;
 constexpr double kMergedShare = 0.2;  // of an object, for a segment to count as holding it
 constexpr double kPieceShare = 0.1;   // of an object, for a segment to count as a piece of it
-constexpr double kMaxMssdShare = 0.1;
 constexpr int kNoSegment = -1;
 
 /// Instance ids by point; 0 for the background.
@@ -94,48 +94,6 @@ SegmentationAccuracy segmentation_accuracy(const perception::Cloud& cloud,
   accuracy.under_segmented_n =
       static_cast<int>(std::count_if(objects_in_segment.begin(), objects_in_segment.end(),
                                      [](const auto& entry) { return entry.second >= 2; }));
-  return accuracy;
-}
-
-PoseAccuracy& PoseAccuracy::operator+=(const PoseAccuracy& other) {
-  objects_n += other.objects_n;
-  found_n += other.found_n;
-  answers_n += other.answers_n;
-  right_n += other.right_n;
-  return *this;
-}
-
-PoseAccuracy pose_accuracy(std::span<const BopResult> results, const BopImage& image,
-                           const parts::Catalogue& catalogue) {
-  std::vector<BopResult> best_first(results.begin(), results.end());
-  std::stable_sort(best_first.begin(), best_first.end(),
-                   [](const auto& a, const auto& b) { return a.score > b.score; });
-  std::vector<bool> is_taken(image.truth.size());
-  PoseAccuracy accuracy;
-  for (const BopTruth& truth : image.truth) {
-    accuracy.objects_n += truth.visible_fraction >= kMinVisible;
-  }
-  for (const BopResult& result : best_first) {
-    const parts::Part& part = *catalogue.find_bop(result.obj_id);
-    double least_m = kMaxMssdShare * part.diameter_m;
-    std::optional<std::size_t> match;
-    for (std::size_t i = 0; i < image.truth.size(); ++i) {
-      const BopTruth& truth = image.truth[i];
-      const double apart_m =
-          (truth.T_camera_part * part.barycentre_m - result.T_camera_part * part.barycentre_m)
-              .norm();
-      if (is_taken[i] || truth.obj_id != result.obj_id || apart_m > least_m) continue;
-      const double error_m = mssd_m(part, result.T_camera_part, truth.T_camera_part);
-      if (error_m >= least_m) continue;
-      least_m = error_m;
-      match = i;
-    }
-    if (match) is_taken[*match] = true;
-    const bool counts = !match || image.truth[*match].visible_fraction >= kMinVisible;
-    accuracy.answers_n += counts;
-    accuracy.right_n += counts && match;
-    accuracy.found_n += counts && match;
-  }
   return accuracy;
 }
 
