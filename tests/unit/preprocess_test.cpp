@@ -46,8 +46,8 @@ TEST(Unproject, PutsReadingsOnTheirRays) {
 TEST(CameraModel, RaysAndProjectionAreInverse) {
   CameraIntrinsics camera = testing::kinect_v2();
   camera.distortion = {0.0905, -0.268, 0.001, -0.0005, 0.095};
-  for (double u = 0; u < camera.width_px; u += 51) {
-    for (double v = 0; v < camera.height_px; v += 53) {
+  for (int u = 0; u < camera.width_px; u += 51) {
+    for (int v = 0; v < camera.height_px; v += 53) {
       const Eigen::Vector2d pixel = project(camera, ray_through(camera, u, v) * 0.8);
       EXPECT_NEAR(pixel.x(), u, 0.02);
       EXPECT_NEAR(pixel.y(), v, 0.02);

@@ -69,8 +69,10 @@ Eigen::Isometry3d grasp_frame(const Eigen::Vector3d& origin_m, const Eigen::Vect
 /// Straight down first, then tilts by growing angles in all directions.
 std::vector<Eigen::Vector3d> approaches(const GraspParameters& parameters) {
   std::vector<Eigen::Vector3d> directions{-Eigen::Vector3d::UnitZ()};
-  for (double tilt = parameters.tilt_step_rad; tilt <= parameters.max_tilt_rad;
-       tilt += parameters.tilt_step_rad) {
+  // The small summand: 0.6 / 0.1 is below 6.
+  const auto tilts_n = static_cast<int>(parameters.max_tilt_rad / parameters.tilt_step_rad + 1e-9);
+  for (int k = 1; k <= tilts_n; ++k) {
+    const double tilt = k * parameters.tilt_step_rad;
     for (int i = 0; i < kTiltDirections; ++i) {
       const double azimuth = 2 * M_PI * i / kTiltDirections;
       directions.emplace_back(std::sin(tilt) * std::cos(azimuth),
@@ -114,8 +116,8 @@ bool PlannedGrasp::is_free() const {
 Eigen::Vector3d grasp_point(std::size_t target, std::span<const PlacedPart> parts,
                             const GraspParameters& parameters) {
   const PlacedPart& object = parts[target];
+  if (parts.size() < 2) return object.barycentre_m();
   const Eigen::Vector3d barycentre_m = object.barycentre_m();
-  if (parts.size() < 2) return barycentre_m;
   const Eigen::Vector3d axis = object.principal_axis();
   const AxisExtent extent = extent_along(object, axis);
   // Steps are counted from the barycentre, so that it is among the candidates.

@@ -10,6 +10,7 @@
 #include "graspd/perception/preprocess.hpp"
 #include "graspd/perception/registration.hpp"
 #include "graspd/perception/segmentation.hpp"
+#include "graspd/perception/verified.hpp"
 #include "ranking.hpp"
 
 namespace graspd::perception {
@@ -47,11 +48,6 @@ Parameters effective(const PlanOptions& options, Parameters parameters) {
 
 /// What this version does not have is refused, not silently replaced.
 Result<void> check_available(const PlanRequest& request, const Parameters& parameters) {
-  if (parameters.registration.method == Registration::kVerified) {
-    return invalid(
-        "options.registration: 'verified' is not in this version; use pca_icp, "
-        "sac_ia_icp or ndt_icp");
-  }
   if (parameters.grs.p_system == PSystem::kSupport) {
     return invalid("options.p_system: 'support' is not in this version; use count");
   }
@@ -182,7 +178,9 @@ std::vector<Object> register_objects(const DepthFrame& frame, const PlanRequest&
                                      const PartList& parts, const Parameters& parameters,
                                      Funnel& funnel) {
   const RegistrationResult registered =
-      register_segments(frame, scene, segments, parts, parameters.registration);
+      parameters.registration.method == Registration::kVerified
+          ? register_verified(frame, scene, segments, parts, parameters)
+          : register_segments(frame, scene, segments, parts, parameters.registration);
   funnel.hypotheses_n = registered.hypotheses_n;
   funnel.rejected_score_n = registered.rejected_score_n;
   return objects_from(registered, request.T_base_camera);

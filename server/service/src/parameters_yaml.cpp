@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 // The one place that maps perception's parameters to YAML: each has one line here with the range
 // that makes sense, and the same visit reads and writes. The bindings name every member, so that a
@@ -15,7 +16,8 @@ using perception::Parameters;
 template <class Visitor>
 void visit(perception::PreprocessParameters& p, Visitor& section) {
   auto& [min_depth_m, max_depth_m, voxel_m, wall_margin_m, plane_tolerance_m, plane_iterations_n,
-         plane_min_share, max_behind_plane_share, normal_neighbours_n] = p;
+         plane_min_share, max_behind_plane_share, normal_neighbours_n, stray_light_share,
+         stray_light_sigma_px] = p;
   section.number("min_depth_m", min_depth_m, 0, 10);
   section.number("max_depth_m", max_depth_m, 0.01, 20);
   section.number("voxel_m", voxel_m, 0, 0.1);
@@ -25,6 +27,8 @@ void visit(perception::PreprocessParameters& p, Visitor& section) {
   section.number("plane_min_share", plane_min_share, 0, 1);
   section.number("max_behind_plane_share", max_behind_plane_share, 0, 1);
   section.number("normal_neighbours_n", normal_neighbours_n, 3, 1000);
+  section.number("stray_light_share", stray_light_share, 0, 1);
+  section.number("stray_light_sigma_px", stray_light_sigma_px, 1, 200);
 }
 
 template <class Visitor>
@@ -48,7 +52,10 @@ void visit(perception::SegmentationParameters& p, Visitor& section) {
 template <class Visitor>
 void visit(perception::RegistrationParameters& p, Visitor& section) {
   auto& [method, icp_iterations_n, icp_max_distance_m, inlier_tolerance_m, min_score,
-         max_below_floor_m, feature_radius_m, sac_iterations_n, ndt_resolution_m] = p;
+         max_below_floor_m, feature_radius_m, sac_iterations_n, ndt_resolution_m, seed_spacing_m,
+         turns_n, hypotheses_per_seed_n, coarse_tolerance_m, min_coarse_score, coarse_per_place_n,
+         fine_per_place_n, refuted_weight, max_leftover_share, min_visible_share,
+         min_verified_score] = p;
   section.choice("method", method);
   section.number("icp_iterations_n", icp_iterations_n, 1, 10'000);
   section.number("icp_max_distance_m", icp_max_distance_m, 1e-4, 1);
@@ -58,6 +65,17 @@ void visit(perception::RegistrationParameters& p, Visitor& section) {
   section.number("feature_radius_m", feature_radius_m, 1e-3, 1);
   section.number("sac_iterations_n", sac_iterations_n, 1, 1'000'000);
   section.number("ndt_resolution_m", ndt_resolution_m, 1e-3, 1);
+  section.number("seed_spacing_m", seed_spacing_m, 1e-3, 1);
+  section.number("turns_n", turns_n, 1, 360);
+  section.number("hypotheses_per_seed_n", hypotheses_per_seed_n, 1, 1000);
+  section.number("coarse_tolerance_m", coarse_tolerance_m, 1e-4, 1);
+  section.number("min_coarse_score", min_coarse_score, 0, 1);
+  section.number("coarse_per_place_n", coarse_per_place_n, 1, 1000);
+  section.number("fine_per_place_n", fine_per_place_n, 1, 1000);
+  section.number("refuted_weight", refuted_weight, 0, 100);
+  section.number("max_leftover_share", max_leftover_share, 0, 1);
+  section.number("min_visible_share", min_visible_share, 0, 1);
+  section.number("min_verified_score", min_verified_score, 0, 1);
 }
 
 template <class Visitor>
@@ -153,7 +171,7 @@ struct Writer {
 }  // namespace
 
 void read_parameters(YamlMap map, Parameters& parameters) {
-  Reader reader{map};
+  Reader reader{std::move(map)};
   visit(parameters, reader);
 }
 

@@ -19,6 +19,8 @@ struct PreprocessParameters {
   double plane_min_share = 0.1;          ///< a smaller plane is a part's face, not the floor
   double max_behind_plane_share = 0.02;  ///< nothing lies below a floor
   int normal_neighbours_n = 12;
+  double stray_light_share = 0.2;  ///< of the surroundings' light in each reading of the sensor
+  double stray_light_sigma_px = 30;
 };
 
 struct SegmentationParameters {
@@ -36,7 +38,7 @@ struct SegmentationParameters {
 };
 
 struct RegistrationParameters {
-  Registration method = Registration::kPcaIcp;
+  Registration method = Registration::kVerified;
   int icp_iterations_n = 50;
   double icp_max_distance_m = 0.01;
   double inlier_tolerance_m = 0.006;
@@ -45,6 +47,17 @@ struct RegistrationParameters {
   double feature_radius_m = 0.012;
   int sac_iterations_n = 400;
   double ndt_resolution_m = 0.02;
+  double seed_spacing_m = 0.012;      ///< between the readings that hypotheses start from
+  int turns_n = 24;                   ///< about a seed's normal
+  int hypotheses_per_seed_n = 12;     ///< of each part
+  double coarse_tolerance_m = 0.008;  ///< before a hypothesis has been refined
+  double min_coarse_score = 0.1;
+  int coarse_per_place_n = 16;  ///< hypotheses with nearly the same barycentre
+  int fine_per_place_n = 6;
+  double refuted_weight = 2;         ///< of a refuting point over a supporting one
+  double max_leftover_share = 0.45;  ///< of the outline: the same surface goes on beyond it
+  double min_visible_share = 0.5;    ///< of the view's points: a reading within tolerance
+  double min_verified_score = 0.25;
 };
 
 /// Weights of GRS(i) = (α·P_self + β·P_grasp)·P_system and of its terms.

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "graspd/parts/part.hpp"
+#include "graspd/perception/depth_grid.hpp"
+#include "graspd/perception/parameters.hpp"
+
+/// A pose that may be right, and what the depth image says of it: projective verification and
+/// projective ICP. Nothing here searches for neighbours: a model point is compared with the reading
+/// at the pixel that it projects to.
+namespace graspd::perception {
+
+struct PoseHypothesis {
+  std::uint32_t part = 0;  ///< index into the requested parts
+  Eigen::Matrix3f R = Eigen::Matrix3f::Identity();
+  Eigen::Vector3f t_m = Eigen::Vector3f::Zero();  ///< with R: T_camera_part
+  /// Of the part's largest view, the share that is explained less what is refuted, in [−∞, 1]. So
+  /// that a pose which hides most of its part behind itself does not win by being right about the
+  /// rest.
+  float score = 0;
+  PoseCounts counts;
+
+  Eigen::Vector3f in_camera(const Eigen::Vector3f& p_part_m) const { return R * p_part_m + t_m; }
+};
+
+/// Scores and refines the poses of a list of parts in one image.
+class PoseVerifier {
+ public:
+  /// The arguments must outlive the verifier; the grid may change between calls.
+  PoseVerifier(const DepthGrid& grid, std::span<const parts::Part* const> parts,
+               const RegistrationParameters& parameters)
+      : grid_(grid), parts_(parts), parameters_(parameters) {}
+
+  const parts::Part& part(const PoseHypothesis& pose) const { return *parts_[pose.part]; }
+  const parts::View& view(const PoseHypothesis& pose) const;
+  Eigen::Vector3f barycentre_m(const PoseHypothesis& pose) const;
+  /// The area of the image's surface that the score stands for: what compares different parts.
+  float explained_area_m2(const PoseHypothesis& pose) const {
+    return pose.score * part(pose).registration.largest_view_m2();
+  }
+
+  /// Sets counts and score from up to `points_n` leading points of the view.
+  /// \returns false where it stopped early: then there is no score.
+  bool score(PoseHypothesis& pose, std::size_t points_n, double tolerance_m,
+             const EarlyStop& stop = {}) const;
+
+  /// Projective point-to-plane ICP, one step with Tukey's weights, damped so that a direction
+  /// that the image says nothing of stays.
+  void icp_step(PoseHypothesis& pose, std::size_t points_n, double tolerance_m) const;
+
+  /// Moves the pose to where the score is best nearby. Silhouettes pull here, of which ICP knows
+  /// nothing.
+  void search_nearby(PoseHypothesis& pose) const;
+
+  /// From a rough pose to its final place and score.
+  void refine(PoseHypothesis& pose) const;
+
+  /// As `score` of all points, with the normals' say; 0 where the surface goes on beyond most of
+  /// the outline.
+  void score_finally(PoseHypothesis& pose) const;
+
+  /// Of the outline, the share beyond which the same surface goes on.
+  float leftover_share(const PoseHypothesis& pose) const;
+
+  /// The cells whose open readings lie within `tolerance_m` of the pose, each once.
+  std::vector<std::size_t> explained_cells(const PoseHypothesis& pose, double tolerance_m) const;
+
+ private:
+  float score_of(const PoseCounts& counts, float support, const parts::View& seen) const;
+
+  const DepthGrid& grid_;
+  std::span<const parts::Part* const> parts_;
+  const RegistrationParameters& parameters_;
+};
+
+}  // namespace graspd::perception
