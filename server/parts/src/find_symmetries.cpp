@@ -99,7 +99,7 @@ class SymmetrySearch {
       if (turns_freely(candidate.direction)) return candidate.direction;
       if (trials_n == kMaxTrials || !turns_freely_roughly(candidate)) continue;
       ++trials_n;
-      const Vector3d axis = settled_axis(candidate.direction, kPi);
+      Vector3d axis = settled_axis(candidate.direction, kPi);
       if (turns_freely(axis)) return axis;
     }
     return std::nullopt;
