@@ -22,20 +22,6 @@ constexpr std::size_t kReadAhead = 16;
 /// of 2 mm to either side.
 constexpr double kBeyond_m = 0.005;
 
-/// Directions spread evenly over the sphere.
-std::vector<Eigen::Vector3f> fibonacci_directions(int count) {
-  const double golden_rad = std::numbers::pi * (3 - std::sqrt(5.0));
-  std::vector<Eigen::Vector3f> directions;
-  for (int i = 0; i < count; ++i) {
-    const double z = 1 - (2 * i + 1.0) / count;
-    const double r = std::sqrt(1 - z * z);
-    directions.push_back(
-        Eigen::Vector3d(r * std::cos(golden_rad * i), r * std::sin(golden_rad * i), z)
-            .cast<float>());
-  }
-  return directions;
-}
-
 /// Brings points to the front, each as far as can be from those before it, until the next would be
 /// nearer than `min_distance_m` or `most` are chosen. Distances count across `line_of_sight`, or
 /// in space where it is 0. \returns how many were chosen.
@@ -133,6 +119,19 @@ class Equal {
 
 }  // namespace
 
+std::vector<Eigen::Vector3f> spread_directions(int count) {
+  const double golden_rad = std::numbers::pi * (3 - std::sqrt(5.0));
+  std::vector<Eigen::Vector3f> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2 * i + 1.0) / count;
+    const double r = std::sqrt(1 - z * z);
+    directions.push_back(
+        Eigen::Vector3d(r * std::cos(golden_rad * i), r * std::sin(golden_rad * i), z)
+            .cast<float>());
+  }
+  return directions;
+}
+
 void PointArrays::push_back(const SurfacePoint& point) {
   x_m.push_back(point.position_m.x());
   y_m.push_back(point.position_m.y());
@@ -156,7 +155,7 @@ const View& RegistrationModel::view_from(const Eigen::Vector3f& towards_camera) 
 void RegistrationModel::add_views(const Mesh& mesh, double diameter_m) {
   const double cell_m = diameter_m / kCellsAcross;
   std::uint32_t largest_n = 1;
-  for (const Eigen::Vector3f& direction : fibonacci_directions(kViews)) {
+  for (const Eigen::Vector3f& direction : spread_directions(kViews)) {
     auto [seen, beyond] = render_view(mesh, direction, cell_m, kBeyond_m);
     spread_first(seen, kSpreadPoints, 0, direction);
     const auto count = static_cast<std::uint32_t>(seen.size());

@@ -92,24 +92,29 @@ std::vector<Eigen::Vector3d> centroids_in_base(const Cloud& cloud,
   return centroids_m;
 }
 
-void take_evidence(const Evidence& evidence, Object& object) {
+Object make_object(std::uint32_t id, const std::string& part_id,
+                   const Eigen::Isometry3d& T_base_part,
+                   const Eigen::Vector3d& p_base_segment_centroid_m, const Evidence& evidence) {
+  Object object;
+  object.id = id;
+  object.part_id = part_id;
+  object.T_base_part = T_base_part;
+  object.p_base_segment_centroid_m = p_base_segment_centroid_m;
   object.score = evidence.score;
   object.visible_fraction = evidence.visible_fraction;
   object.inlier_fraction = evidence.inlier_fraction;
   object.refuted_fraction = evidence.refuted_fraction;
   object.rms_m = evidence.rms_m;
+  return object;
 }
 
 std::vector<Object> objects_from(const RegistrationResult& result,
                                  const Eigen::Isometry3d& T_base_camera) {
   std::vector<Object> objects;
   for (const RegisteredPart& part : result.parts) {
-    Object& object = objects.emplace_back();
-    object.id = static_cast<std::uint32_t>(objects.size());
-    object.part_id = part.part->id;
-    object.T_base_part = T_base_camera * part.T_camera_part;
-    take_evidence(part.evidence, object);
-    object.p_base_segment_centroid_m = T_base_camera * part.p_camera_segment_centroid_m;
+    const auto id = static_cast<std::uint32_t>(objects.size() + 1);
+    objects.push_back(make_object(id, part.part->id, T_base_camera * part.T_camera_part,
+                                  T_base_camera * part.p_camera_segment_centroid_m, part.evidence));
   }
   return objects;
 }
@@ -123,12 +128,8 @@ std::vector<Object> objects_from(const std::vector<LastObject>& standing, const 
     const Evidence evidence =
         evaluate_pose(frame, *catalogue.find(last.part_id),
                       T_base_camera.inverse() * last.T_base_part, tolerance_m);
-    Object& object = objects.emplace_back();
-    object.id = last.id;
-    object.part_id = last.part_id;
-    object.T_base_part = last.T_base_part;
-    take_evidence(evidence, object);
-    object.p_base_segment_centroid_m = last.p_base_segment_centroid_m;
+    objects.push_back(make_object(last.id, last.part_id, last.T_base_part,
+                                  last.p_base_segment_centroid_m, evidence));
   }
   return objects;
 }
@@ -186,6 +187,12 @@ std::vector<Object> register_objects(const DepthFrame& frame, const PlanRequest&
   return objects_from(registered, request.T_base_camera);
 }
 
+/// What an answer of the chosen method has at least.
+double least_score(const RegistrationParameters& parameters) {
+  return parameters.method == Registration::kVerified ? parameters.min_verified_score
+                                                      : parameters.min_score;
+}
+
 void draw_outlines(const DepthFrame& frame, const PlanRequest& request,
                    const parts::Catalogue& catalogue, std::vector<Object>& objects) {
   for (Object& object : objects) {
@@ -237,6 +244,23 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
   answer.funnel.grasps_n = static_cast<std::uint32_t>(answer.grasps.size());
 }
 
+/// The outcome of a plan that has objects.
+PlanAnswer concluded(PlanAnswer& answer, const PlanOptions& options, bool is_unchanged,
+                     const Parameters& parameters) {
+  const std::string failure = first_failure(answer.rejected_grasps);
+  if (!options.explain_rejected) answer.rejected_grasps.clear();
+  if (answer.grasps.empty()) {
+    return finished(answer, Outcome::kAllInCollision,
+                    fmt::format("every grasp fails a check; the first: {}", failure));
+  }
+  if (is_unchanged) {
+    return finished(answer, Outcome::kUnchanged,
+                    fmt::format("no segment moved by more than {:.1f} mm since the last plan",
+                                parameters.displacement.threshold_m * 1e3));
+  }
+  return std::move(answer);
+}
+
 }  // namespace
 
 Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
@@ -282,7 +306,7 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
                     fmt::format("{} segments, but the frame supports none of {} hypotheses by the "
                                 "score {}",
                                 segments.size(), answer.funnel.hypotheses_n,
-                                parameters.registration.min_score));
+                                least_score(parameters.registration)));
   }
 
   plan_grasps(request, catalogue, parameters, request.T_base_camera * scene.T_camera_floor, answer);
@@ -291,18 +315,7 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
     draw_outlines(frame, request, catalogue, answer.objects);
     clock.finished("outlines");
   }
-  const std::string failure = first_failure(answer.rejected_grasps);
-  if (!request.options.explain_rejected) answer.rejected_grasps.clear();
-  if (answer.grasps.empty()) {
-    return finished(answer, Outcome::kAllInCollision,
-                    fmt::format("every grasp fails a check; the first: {}", failure));
-  }
-  if (standing) {
-    return finished(answer, Outcome::kUnchanged,
-                    fmt::format("no segment moved by more than {:.1f} mm since the last plan",
-                                parameters.displacement.threshold_m * 1e3));
-  }
-  return answer;
+  return concluded(answer, request.options, standing.has_value(), parameters);
 }
 
 }  // namespace graspd::perception

@@ -77,17 +77,8 @@ std::vector<double> shares_seen(const parts::Part& part,
 /// The points that are seen from at least half of the directions they face: the outside. The bore
 /// of a pipe lies a wall's thickness below and would draw the points of the outside towards it.
 Cloud outside_of(const parts::Part& part) {
-  // Fibonacci lattice on the sphere.
   constexpr int kDirections = 64;
-  const double golden_rad = M_PI * (3 - std::sqrt(5.0));
-  std::vector<Eigen::Vector3f> directions;
-  for (int i = 0; i < kDirections; ++i) {
-    const double z = 1 - (2 * i + 1.0) / kDirections;
-    const double r = std::sqrt(1 - z * z);
-    directions.push_back(
-        Eigen::Vector3d(r * std::cos(golden_rad * i), r * std::sin(golden_rad * i), z)
-            .cast<float>());
-  }
+  const auto directions = parts::spread_directions(kDirections);
   const std::vector<double> shares = shares_seen(part, directions);
   Cloud outside;
   for (std::size_t i = 0; i < shares.size(); ++i) {

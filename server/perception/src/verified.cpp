@@ -6,11 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <optional>
 
 #include "graspd/perception/depth_grid.hpp"
 #include "graspd/perception/pose_hypothesis.hpp"
-#include "graspd/types/camera_model.hpp"
 
 namespace graspd::perception {
 namespace {

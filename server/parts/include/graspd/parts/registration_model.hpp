@@ -11,6 +11,9 @@
 /// What registration looks up of a part, computed once when the catalogue loads.
 namespace graspd::parts {
 
+/// Unit vectors spread evenly over the sphere: the Fibonacci lattice.
+std::vector<Eigen::Vector3f> spread_directions(int count);
+
 /// Points with normals in separate arrays, for kernels that load many at once. Part frame, metres.
 struct PointArrays {
   std::vector<float> x_m, y_m, z_m, nx, ny, nz;
