@@ -66,16 +66,27 @@ TEST_F(RealFrames, MostTeesOfTheLoosePilesAreAnswered) {
   EXPECT_EQ(count(3), 4U);
 }
 
-/// The paper's way. Verified registration misses this heap: tests/bench/README.md.
-TEST_F(RealFrames, ThePaperAnswersNoTeeOutsideOfTheHeap) {
+/// Whether every answer lies in the heap of frame 0, seen at pixels (205 … 305, 130 … 200).
+void expect_in_heap(const eval::ImageReport& report) {
+  const Eigen::Vector3d heap_camera_m(0.0, -0.03, 0.66);
+  for (const BopResult& result : report.results) {
+    EXPECT_LT((result.T_camera_part.translation() - heap_camera_m).norm(), 0.12);
+  }
+}
+
+/// Verified registration misses the heap (tests/bench/README.md), but takes no wall for a tee.
+TEST_F(RealFrames, NoTeeIsAnsweredOutsideOfTheHeap) {
+  open("kinect_tees");
+  if (IsSkipped()) return;
+  expect_in_heap(evaluate(0));
+}
+
+TEST_F(RealFrames, ThePaperFindsTeesInTheHeap) {
   open("kinect_tees");
   if (IsSkipped()) return;
   const eval::ImageReport report = evaluate(0, Registration::kPcaIcp);
   EXPECT_GE(report.answer.objects.size(), 1U);
-  const Eigen::Vector3d heap_camera_m(0.0, -0.03, 0.66);  // seen at pixels (205 … 305, 130 … 200)
-  for (const BopResult& result : report.results) {
-    EXPECT_LT((result.T_camera_part.translation() - heap_camera_m).norm(), 0.12);
-  }
+  expect_in_heap(report);
 }
 
 TEST_F(RealFrames, HouseholdObjectsApartAreSegmented) {
