@@ -62,7 +62,8 @@ Result<DepthFrame> simulate(const sim_cell::PileMaker& piles, const parts::Mesh&
   for (const auto& part : pile->parts) scene.push_back({&tee, T_camera_bin * part.T_bin_part});
   sim_cell::KinectV2Parameters sensor;
   sensor.camera = camera;
-  return observe(scene, sensor, seed);
+  const sim_cell::Walls walls{T_camera_bin, kBinInnerSize_m};
+  return observe(scene, sensor, seed, &walls);
 }
 
 struct Row {

@@ -15,7 +15,6 @@ KinectV2Parameters perfect() {
   sensor.blur_sigma_px = 0;
   sensor.lateral_sigma_m = 0;
   sensor.axial_scale = 0;
-  sensor.stray_share = 0;
   sensor.grazing_drop_out = 0;
   return sensor;
 }
@@ -168,21 +167,22 @@ TEST_F(SimKinectV2StepTest, TheEdgeFilterTakesOnlyHighSteps) {
   EXPECT_LE(empty_n, 3);
 }
 
-TEST_F(SimKinectV2Test, StrayLightLeavesAPlaneAndBendsAFloorTowardsItsWall) {
+TEST_F(SimKinectV2Test, AFloorBendsUpTowardsTheWalls) {
   KinectV2Parameters sensor = perfect();
-  sensor.stray_share = 0.2;
-  const DepthFrame flat = see_plane(sensor, 0.75);
-  for (const std::uint16_t z : flat.depth) ASSERT_EQ(z, 750);
-
-  // A wall 0.2 m high on the left, from u = 40 to 56.
-  const auto wall = box_mesh({0.02, 1, 0.2});
-  const SceneObject scene[] = {{&square, at(0.75)},
-                               {&wall, Eigen::Isometry3d(Eigen::Translation3d(-0.06, 0, 0.65))}};
-  const DepthFrame bent = observe(scene, sensor, 1);
-  const int beside_the_wall = bent.at(60, 60), far_from_it = bent.at(150, 60);
-  EXPECT_GT(far_from_it, 745);
-  EXPECT_LT(beside_the_wall, far_from_it - 3);
-  EXPECT_GT(bent.at(45, 60), 551) << "the rim is drawn towards the floor";
+  sensor.wall_bow_m = 0.012;
+  sensor.wall_reach_m = 0.05;
+  const SceneObject scene[] = {{&square, at(0.75)}};
+  const Walls walls{at(0.75) * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()),
+                    {0.2, 1, 0.1}};
+  const DepthFrame bent = observe(scene, sensor, 1, &walls);
+  const auto at_distance_m = [&](double distance_m) {
+    const double x_px = sensor.camera.fx_px * (0.1 - distance_m) / 0.75;
+    return bent.at(int(std::lround(sensor.camera.cx_px + x_px)), 60);
+  };
+  EXPECT_EQ(at_distance_m(0.07), 750);
+  EXPECT_NEAR(at_distance_m(0.025), 747, 1) << "half way: a quarter of the bow";
+  EXPECT_NEAR(at_distance_m(0.001), 738.5, 1);
+  EXPECT_EQ(at_distance_m(-0.01), 750) << "beyond the wall";
 }
 
 TEST_F(SimKinectV2Test, GlossAndGrazingLoseReadings) {

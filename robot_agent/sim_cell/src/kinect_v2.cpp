@@ -87,22 +87,17 @@ Image look(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
   return image;
 }
 
-void add_stray_light(const KinectV2Parameters& sensor, Image& image) {
-  if (!(sensor.stray_share > 0)) return;
-  std::vector<float> light(image.size(), 0), light_times_z(image.size(), 0);
+void bend_towards_walls(const KinectV2Parameters& sensor, const Walls& walls, Image& image) {
+  const std::vector<Eigen::Vector3d> rays = pixel_rays(sensor.camera);
+  const Eigen::Isometry3d T_bin_camera = walls.T_camera_bin.inverse();
+  const Eigen::Vector2d half_m = walls.inner_size_m.head<2>() / 2;
   for (std::size_t i = 0; i < image.size(); ++i) {
     if (image.z_m[i] <= 0) continue;
-    const double z_m = double(image.z_m[i]);
-    light[i] = float(std::pow(double(image.cos_incidence[i]), sensor.stray_falloff) / (z_m * z_m));
-    light_times_z[i] = light[i] * image.z_m[i];
-  }
-  const std::vector<float> kernel = gaussian_kernel(sensor.stray_sigma_px);
-  const auto around = convolve(light, image.width_px, image.height_px, kernel);
-  const auto around_times_z = convolve(light_times_z, image.width_px, image.height_px, kernel);
-  const auto share = float(sensor.stray_share);
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    if (image.z_m[i] <= 0) continue;
-    image.z_m[i] = (light_times_z[i] + share * around_times_z[i]) / (light[i] + share * around[i]);
+    const Eigen::Vector3d p_m = T_bin_camera * (double(image.z_m[i]) * rays[i]);
+    const double distance_m = (half_m - p_m.head<2>().cwiseAbs()).minCoeff();
+    if (distance_m < 0 || p_m.z() > walls.inner_size_m.z()) continue;  // rim and outside
+    const double nearness = std::max(0.0, 1 - distance_m / sensor.wall_reach_m);
+    image.z_m[i] -= float(sensor.wall_bow_m * nearness * nearness);
   }
 }
 
@@ -195,9 +190,9 @@ double axial_sigma_m(double z_m, double incidence_rad) {
 }
 
 DepthFrame observe(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
-                   std::uint64_t seed) {
+                   std::uint64_t seed, const Walls* walls) {
   Image image = look(scene, sensor, seed);
-  add_stray_light(sensor, image);
+  if (walls != nullptr) bend_towards_walls(sensor, *walls, image);
   add_noise_and_blur(sensor, seed, image);
   drop_out(sensor, seed, image);
   filter_edges(sensor, image);

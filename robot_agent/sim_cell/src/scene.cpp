@@ -112,7 +112,8 @@ Result<BopImage> SceneMaker::make(int k) const {
 
   BopImage image;
   image.im_id = k;
-  image.frame = observe(scene, options_.sensor, seed);
+  const Walls walls{T_camera_bin, options_.bin_inner_size_m};
+  image.frame = observe(scene, options_.sensor, seed, &walls);
   const Rendering truth = render(options_.sensor.camera, scene);
   const std::vector<double> fractions = visible_fractions(truth, scene);
   for (std::size_t i = 0; i < parts_n; ++i) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
 
@@ -32,14 +33,10 @@ struct KinectV2Parameters {
   /// [R] Times `axial_sigma_m`.
   double axial_scale = 1.08;
 
-  /// [R] Multipath and scattering in the lens: each reading is a mean, weighted by brightness, of
-  /// its own light and of this share of the light of its surroundings. A surface is as bright as
-  /// cos(angle of incidence)^stray_falloff / z². So a floor bends up towards walls, walls and the
-  /// flanks of pipes sink, and low parts look flatter; in dense piles half of the readings are
-  /// within 5 mm of the part and three quarters within 8 mm, as on real frames.
-  double stray_share = 0.2;
-  double stray_sigma_px = 30;
-  double stray_falloff = 2;
+  /// [R] Multipath: light that also comes by way of a wall bends surfaces up towards it, by
+  /// wall_bow_m · (1 − d / wall_reach_m)² at the distance d from the nearest wall.
+  double wall_bow_m = 0.012;
+  double wall_reach_m = 0.05;
 
   double device_offset_m = 0;  ///< up to 0.024 from device to device [F]
 
@@ -54,9 +51,16 @@ struct KinectV2Parameters {
 /// where the formula was measured.
 double axial_sigma_m(double z_m, double incidence_rad);
 
+/// The inner walls of a bin, for multipath. z up, origin in the middle of its floor.
+struct Walls {
+  Eigen::Isometry3d T_camera_bin = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d inner_size_m = Eigen::Vector3d::Zero();
+};
+
 /// One frame. The same scene, sensor and seed give the same bytes. With distortion coefficients in
 /// `sensor.camera` every pixel looks along its own, distorted ray.
+/// \param walls of the bin, or nullptr where there is none: no multipath then.
 DepthFrame observe(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
-                   std::uint64_t seed);
+                   std::uint64_t seed, const Walls* walls = nullptr);
 
 }  // namespace graspd::sim_cell
