@@ -1,6 +1,7 @@
 #include "planner.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <thread>
 
 #include "graspd/parts/catalogue.hpp"
@@ -18,9 +19,11 @@ Result<Planner> make_planner(const service::ServerConfig& config) {
   for (const parts::Part& part : catalogue->parts()) planner.part_ids.push_back(part.id);
   planner.server = {service::build_id(), catalogue->hash(),
                     service::config_hash(config.perception)};
-  planner.handler = [catalogue, parameters = config.perception](const DepthFrame& frame,
-                                                                const PlanRequest& request) {
-    return perception::plan(frame, request, *catalogue, parameters);
+  planner.handler = [catalogue, parameters = config.perception](
+                        const DepthFrame& frame, const PlanRequest& request,
+                        std::chrono::steady_clock::time_point deadline) {
+    return perception::plan(frame, request, *catalogue, parameters,
+                            [&] { return std::chrono::steady_clock::now() >= deadline; });
   };
   return planner;
 }

@@ -71,7 +71,10 @@ Result<Measured> measure(const Kinds& kinds, const parts::Catalogue& catalogue,
     if (!image) return tl::unexpected(image.error());
     image->instance.reset();  // segments are table1's
     const PlanRequest request = eval::request_for(*image, catalogue, ids);
-    const auto report = eval::evaluate_image(*image, 0, request, catalogue, parameters);
+    perception::Parameters calibrated = parameters;
+    calibrated.preprocess.wall_bow_m = scene.sensor.wall_bow_m;
+    calibrated.preprocess.wall_reach_m = scene.sensor.wall_reach_m;
+    const auto report = eval::evaluate_image(*image, 0, request, catalogue, calibrated);
     if (!report) return fail(report.error().code, "frame {}: {}", k, report.error().message);
     if (report->poses) {
       add_records(*report->poses, {k, scene}, catalogue, records);

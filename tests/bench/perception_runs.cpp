@@ -98,7 +98,8 @@ class PartBench {
     blank.camera_height_m = camera_height_m;
     const perception::Cloud cloud =
         perception::preprocess(image.frame, request, part_.diameter_m, {}).cloud;
-    segment(image, cloud, blank, runs);
+    segment(image, perception::prepare_scene(image.frame, request, part_.diameter_m, {}).cloud,
+            blank, runs);
 
     perception::Parameters paper;
     paper.segmentation.method = Segmentation::kImprovedDbscan;

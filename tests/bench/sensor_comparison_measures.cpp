@@ -142,7 +142,7 @@ double floor_bend_mm(const DepthFrame& frame, const PixelBox& box, const Floor& 
     if (to_wall_mm >= 10 && to_wall_mm < 20) near_mm.push_back(floor.height_mm(u, v));
     if (to_wall_mm >= 60) middle_mm.push_back(floor.height_mm(u, v));
   });
-  return mean(near_mm) - mean(middle_mm);
+  return median(near_mm) - median(middle_mm);
 }
 
 /// Where the profile first reaches `level`, between its samples.

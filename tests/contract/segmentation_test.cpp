@@ -73,8 +73,41 @@ TEST_P(EverySegmentation, OfNothingIsNothing) { EXPECT_TRUE(segment({}).empty())
 
 INSTANTIATE_TEST_SUITE_P(Names, EverySegmentation,
                          ::testing::Values(Segmentation::kImprovedDbscan, Segmentation::kDbscan,
-                                           Segmentation::kEuclidean, Segmentation::kRegionGrowing),
+                                           Segmentation::kEuclidean, Segmentation::kRegionGrowing,
+                                           Segmentation::kGridDbscan),
                          [](const auto& method) { return std::string(name_of(method.param)); });
+
+/// Organised points of rough, sloping steps, from `nearest_m` on.
+Cloud slope(float nearest_m) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> noise_m(0, 0.004F);
+  Cloud cloud;
+  cloud.pixels = {60, 50, 365, 365, 30, 25};
+  for (std::uint32_t cell = 0; cell < 60 * 50; ++cell) {
+    const auto u = static_cast<float>(cell % 60);
+    const std::uint32_t row = cell / 60, step = row / 7;
+    const auto v = static_cast<float>(row);
+    const float z_m = nearest_m + 0.003F * u + 0.02F * static_cast<float>(step) + noise_m(random);
+    cloud.points_m.emplace_back((u - 30) / 365 * z_m, (v - 25) / 365 * z_m, z_m);
+    cloud.cells.push_back(cell);
+  }
+  estimate_normals(cloud, {});
+  return cloud;
+}
+
+TEST(GridSegmentation, FindsWhatTheOctreeFindsNearAndFar) {
+  for (const float nearest_m : {0.003F, 0.7F}) {  // the first is a window that fits no image
+    const Cloud cloud = slope(nearest_m);
+    double z_sum_m = 0;
+    for (const auto& p : cloud.points_m) z_sum_m += static_cast<double>(p.z());
+    SegmentationParameters parameters;
+    parameters.eps_m = parameters.grid_eps_px * z_sum_m / static_cast<double>(cloud.size()) / 365;
+    parameters.min_points_n = parameters.grid_min_points_n = 5;
+    const auto segments = grid_dbscan(cloud, parameters);
+    EXPECT_EQ(segments, improved_dbscan(cloud, parameters));
+    EXPECT_GT(segments.size(), 1U);
+  }
+}
 
 TEST(SegmentationNames, WithoutANameThrows) {
   EXPECT_THROW(segmentation_method(Segmentation::kServerDefault), std::invalid_argument);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "block_scene.hpp"
 #include "graspd/perception/preprocess.hpp"
@@ -15,12 +16,6 @@ using Eigen::Vector3f;
 
 constexpr double kFloor_m = 0.75;
 
-PreprocessParameters without_stray_light() {
-  PreprocessParameters parameters;
-  parameters.stray_light_share = 0;
-  return parameters;
-}
-
 /// A block with its top face 50 mm above the floor.
 std::vector<testing::Block> one_block() {
   testing::Block block;
@@ -30,7 +25,7 @@ std::vector<testing::Block> one_block() {
 }
 
 Cloud above_floor(const DepthFrame& frame) {
-  Cloud cloud = unproject(frame, without_stray_light());
+  Cloud cloud = unproject(frame, PreprocessParameters{});
   std::erase_if(cloud.points_m, [](const Vector3f& p) { return p.z() > kFloor_m - 0.01; });
   return cloud;
 }
@@ -39,7 +34,7 @@ TEST(DepthGrid, IsThePinholeImageOfTheReadings) {
   CameraIntrinsics camera = testing::kinect_v2();
   camera.distortion = {0.09, -0.27, 0.001, -0.002, 0.1};  // a Kinect v2's
   const DepthFrame frame = testing::render(camera, kFloor_m, one_block());
-  const DepthGrid grid = make_depth_grid(frame, above_floor(frame), without_stray_light());
+  const DepthGrid grid = make_depth_grid(frame, above_floor(frame), PreprocessParameters{});
   int top_n = 0;
   for (int v = 1; v < grid.height_px - 1; ++v) {
     for (int u = 1; u < grid.width_px - 1; ++u) {
@@ -57,7 +52,7 @@ TEST(DepthGrid, IsThePinholeImageOfTheReadings) {
 
 TEST(DepthGrid, HasAMarginAndNothingOutermost) {
   const DepthFrame frame = testing::render(testing::kinect_v2(), kFloor_m, one_block());
-  const DepthGrid grid = make_depth_grid(frame, above_floor(frame), without_stray_light());
+  const DepthGrid grid = make_depth_grid(frame, above_floor(frame), PreprocessParameters{});
   for (int v = 0; v < grid.height_px; ++v) {
     for (int u = 0; u < grid.width_px; ++u) {
       if (grid.contains(u, v)) continue;
@@ -72,7 +67,7 @@ TEST(DepthGrid, NormalsAreThoseOfTheFaces) {
   auto blocks = one_block();
   blocks[0].T_camera_block.rotate(Eigen::AngleAxisd(0.5, Vector3d::UnitY()));
   const DepthFrame frame = testing::render(testing::kinect_v2(), kFloor_m, blocks);
-  const DepthGrid grid = make_depth_grid(frame, above_floor(frame), without_stray_light());
+  const DepthGrid grid = make_depth_grid(frame, above_floor(frame), PreprocessParameters{});
   const Vector3f centre =
       (blocks[0].T_camera_block * Vector3d(0, 0, -0.02)).cast<float>();  // of the face on top
   const Vector3f normal = -blocks[0].T_camera_block.linear().col(2).cast<float>();
@@ -81,7 +76,7 @@ TEST(DepthGrid, NormalsAreThoseOfTheFaces) {
 
 TEST(DepthGrid, WhatIsClaimedHidesAndRefutesNothing) {
   const DepthFrame frame = testing::render(testing::kinect_v2(), kFloor_m, one_block());
-  DepthGrid grid = make_depth_grid(frame, above_floor(frame), without_stray_light());
+  DepthGrid grid = make_depth_grid(frame, above_floor(frame), PreprocessParameters{});
   const std::size_t cell = grid.cell_of({0.03F, -0.02F, 0.70F});
   const float z_m = grid.z_m[cell];
   EXPECT_TRUE(grid.is_open(cell));
@@ -105,74 +100,56 @@ TEST(DepthGrid, WhatIsClaimedHidesAndRefutesNothing) {
   EXPECT_EQ(counts_at(cell + 1, z_m - 0.1F).refute_n, 0) << "but, at its edge, against none";
 }
 
-/// The sensor's side: each reading becomes the mean of its own light and of its surroundings'.
-std::vector<float> with_stray_light(const std::vector<float>& z_m, int width, int height,
-                                    double share, double sigma_px) {
-  const int reach = static_cast<int>(3 * sigma_px);
-  std::vector<double> light(z_m.size()), light_z(z_m.size());
-  for (std::size_t i = 0; i < z_m.size(); ++i) {
-    light[i] = 1 / (double(z_m[i]) * double(z_m[i]));
-    light_z[i] = light[i] * double(z_m[i]);
+/// A grid of a step of 60 mm at u = 50, with white noise, smoothed along its rows where it is said.
+DepthGrid noisy_step(float noise_m, double blur_sigma_px) {
+  DepthGrid grid;
+  grid.width_px = 100;
+  grid.height_px = 80;
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0, noise_m);
+  for (int i = 0; i < grid.width_px * grid.height_px; ++i) {
+    grid.z_m.push_back((i % grid.width_px < 50 ? 0.70F : 0.76F) + noise(random));
   }
-  const auto blurred = [&](std::vector<double> image) {
-    for (const int step : {1, width}) {
-      std::vector<double> result(image.size(), 0);
-      for (int v = 0; v < height; ++v) {
-        for (int u = 0; u < width; ++u) {
-          const int at = step == 1 ? u : v;
-          const int last = (step == 1 ? width : height) - 1;
-          double total = 0;
-          for (int k = -reach; k <= reach; ++k)
-            total += std::exp(-0.5 * k * k / (sigma_px * sigma_px));
-          for (int k = std::max(-reach, -at); k <= std::min(reach, last - at); ++k) {
-            result[std::size_t(v * width + u)] += std::exp(-0.5 * k * k / (sigma_px * sigma_px)) /
-                                                  total *
-                                                  image[std::size_t(v * width + u + k * step)];
-          }
-        }
-      }
-      image = std::move(result);
+  if (blur_sigma_px <= 0) return grid;
+  const std::vector<float> z_m = grid.z_m;
+  for (int i = 0; i < grid.width_px * grid.height_px; ++i) {
+    double sum_m = 0, total = 0;
+    for (int k = -4; k <= 4; ++k) {
+      const int u = i % grid.width_px + k;
+      if (u < 0 || u >= grid.width_px) continue;
+      const double weight = std::exp(-k * k / (2 * blur_sigma_px * blur_sigma_px));
+      sum_m += weight * double(z_m[std::size_t(i + k)]);
+      total += weight;
     }
-    return image;
-  };
-  const auto around = blurred(light), around_z = blurred(light_z);
-  std::vector<float> read(z_m.size());
-  for (std::size_t i = 0; i < z_m.size(); ++i) {
-    read[i] = float((light_z[i] + share * around_z[i]) / (light[i] + share * around[i]));
+    grid.z_m[std::size_t(i)] = static_cast<float>(sum_m / total);
   }
-  return read;
+  return grid;
 }
 
-TEST(StrayLight, IsTakenOutOfAPileOfFlatSteps) {
-  constexpr int kWidth = 160, kHeight = 120;
-  PreprocessParameters parameters;
-  parameters.stray_light_share = 0.2;
-  parameters.stray_light_sigma_px = 16;
-  std::vector<float> truth(std::size_t(kWidth * kHeight), 0.75F);
-  for (int v = 30; v < 90; ++v) {
-    for (int u = 40; u < 110; ++u) truth[std::size_t(v * kWidth + u)] = u < 75 ? 0.70F : 0.66F;
-  }
-  const auto read = with_stray_light(truth, kWidth, kHeight, 0.2, 16);
-  std::vector<float> mended = read;
-  remove_stray_light(parameters, kWidth, kHeight, 365, mended);
-  double worst_before_m = 0, worst_after_m = 0;
-  for (int v = 36; v < 84; v += 6) {
-    for (const int u : {46, 58, 69, 82, 94, 104}) {  // on the steps, not at their edges
-      const std::size_t i = std::size_t(v * kWidth + u);
-      worst_before_m = std::max(worst_before_m, std::abs(double(read[i]) - double(truth[i])));
-      worst_after_m = std::max(worst_after_m, std::abs(double(mended[i]) - double(truth[i])));
-    }
-  }
-  EXPECT_GT(worst_before_m, 0.005) << "else there is nothing to mend";
-  EXPECT_LT(worst_after_m, 0.0015);
+/// Readings of a row that are neither the step's upper nor its lower side.
+double between_n(const DepthGrid& grid) {
+  int count = 0;
+  for (const float z_m : grid.z_m) count += z_m > 0.71F && z_m < 0.75F;
+  return double(count) / grid.height_px;
 }
 
-TEST(StrayLight, LeavesAFlatFloorAndMissingReadings) {
-  std::vector<float> z_m(100 * 80, 0.8F);
-  z_m[4050] = 0;
-  PreprocessParameters parameters;
-  remove_stray_light(parameters, 100, 80, 365, z_m);
-  for (std::size_t i = 0; i < z_m.size(); ++i) EXPECT_NEAR(z_m[i], i == 4050 ? 0 : 0.8, 1e-4);
+TEST(SharpenEdges, UndoesTheSensorsSmoothing) {
+  DepthGrid grid = noisy_step(0.003F, 0.9);
+  EXPECT_GT(sharpening_gain(grid), 3);
+  const double before_n = between_n(grid);
+  EXPECT_GT(before_n, 1.8) << "else there is nothing to mend";
+  sharpen_edges(grid);
+  EXPECT_LT(between_n(grid), before_n / 2);
+}
+
+TEST(SharpenEdges, LeavesAnImageThatNothingSmoothed) {
+  for (const float noise_m : {0.0F, 0.0013F, 0.003F}) {
+    DepthGrid grid = noisy_step(noise_m, 0);
+    const std::vector<float> z_m = grid.z_m;
+    EXPECT_EQ(sharpening_gain(grid), 0) << noise_m;
+    sharpen_edges(grid);
+    EXPECT_EQ(grid.z_m, z_m);
+  }
 }
 
 }  // namespace

@@ -79,6 +79,43 @@ TEST(MakePart, TurnsAnInsideOutMeshOver) {
   for (const auto& point : part->surface) EXPECT_GT(point.normal.dot(point.position_m), 0);
 }
 
+TEST(MakePart, TurnsOverWhatIsWoundAgainstTheRest) {
+  const TestFolder folder;
+  const Mesh box = box_mesh({-0.01F, -0.03F, -0.02F}, {0.02F, 0.06F, 0.04F}, 3);
+  const auto expect_outwards = [&](const Mesh& mesh) {
+    const auto part = make_part(box_description(folder, mesh));
+    ASSERT_TRUE(part);
+    for (const auto& point : part->surface) EXPECT_GT(point.normal.dot(point.position_m), 0);
+  };
+  Mesh few = box;
+  for (std::size_t i = 0; i < few.triangles.size(); i += 5) {
+    std::swap(few.triangles[i][0], few.triangles[i][1]);
+  }
+  expect_outwards(few);
+  Mesh most = box;
+  for (std::size_t i = 0; i < most.triangles.size(); ++i) {
+    if (i % 5 != 0) std::swap(most.triangles[i][0], most.triangles[i][1]);
+  }
+  expect_outwards(most);
+  Mesh open = most;
+  open.triangles.resize(open.triangles.size() - 2);
+  expect_outwards(open);
+}
+
+TEST(MakePart, LeavesAFlatSheetAsItIs) {
+  const TestFolder folder;
+  Mesh sheet;
+  sheet.vertices_m = {{0.1F, 0.2F, 0.3F}, {0.15F, 0.21F, 0.33F}, {0.12F, 0.26F, 0.37F}};
+  sheet.triangles = {{0, 1, 2}};
+  const auto normal_of = [&] {
+    const auto part = make_part(box_description(folder, sheet));
+    return part->surface.front().normal;
+  };
+  const Eigen::Vector3f normal = normal_of();
+  std::swap(sheet.triangles[0][1], sheet.triangles[0][2]);
+  EXPECT_LT(normal_of().dot(normal), -0.99F);
+}
+
 TEST(MakePart, NamesTheUnitThatWasProbablyMeant) {
   const TestFolder folder;
   auto description = box_description(folder, box_mesh({0, 0, 0}, {0.02F, 0.06F, 0.03F}));

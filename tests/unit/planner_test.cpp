@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <atomic>
 #include <limits>
 
 #include "block_scene.hpp"
@@ -24,7 +25,6 @@ class Planner : public ::testing::Test {
     request_.T_base_camera = testing::T_base_camera_above(kHeight_m);
     request_.bin = Bin{Eigen::Isometry3d::Identity(), Vector3d(0.40, 0.30, 0.15), 0.005};
     request_.parts = {{"block", 0}};
-    parameters_.preprocess.stray_light_share = 0;  // these frames have none
   }
 
   /// Blocks that show three faces each.
@@ -102,6 +102,28 @@ TEST_F(Planner, AnswersTheSameWhateverTheThreads) {
     const auto many = poses_with(threads_n);
     ASSERT_EQ(many.size(), one.size());
     for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(many[i], one[i]) << "to the bit";
+  }
+}
+
+TEST_F(Planner, EndsWithoutAnAnswerOnceItIsLate) {
+  const DepthFrame frame = frame_of(pile(6));
+  for (const Registration method : {Registration::kVerified, Registration::kPcaIcp}) {
+    parameters_.registration.method = method;
+    std::atomic<int> asked_n = 0;
+    const auto late_after = [&](int most_n) {
+      asked_n = 0;
+      return plan(frame, request_, catalogue_, parameters_, [&] { return ++asked_n > most_n; });
+    };
+    ASSERT_TRUE(late_after(std::numeric_limits<int>::max()));
+    const int all_n = asked_n;
+    EXPECT_GE(all_n, 3 + 6) << "before each stage, and at least for each part";
+    for (const int most_n : {0, 1, 2, all_n / 2, all_n - 1}) {
+      const auto answer = late_after(most_n);
+      ASSERT_FALSE(answer) << "asked " << most_n << " of " << all_n << " times";
+      EXPECT_EQ(answer.error().code, Code::kDeadlineExceeded);
+      EXPECT_THAT(answer.error().message, HasSubstr("(preprocess "));
+      EXPECT_LT(asked_n, most_n + 1 + 8) << "and then soon";
+    }
   }
 }
 

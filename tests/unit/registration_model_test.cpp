@@ -69,14 +69,43 @@ TEST_P(EveryModel, FindsTheNearestView) {
   }
 }
 
-TEST_P(EveryModel, AnchorsLieOnTheSurface) {
-  ASSERT_FALSE(part_.registration.anchors().empty());
-  for (const SurfacePoint& anchor : part_.registration.anchors()) {
-    float nearest_m = 1;
-    for (const auto& point : part_.surface) {
-      nearest_m = std::min(nearest_m, (point.position_m - anchor.position_m).norm());
+TEST_P(EveryModel, TemplatesShowTheirView) {
+  const RegistrationModel& model = part_.registration;
+  const PoseTemplates& templates = model.templates();
+  const double cell_m = part_.diameter_m / 40;
+  ASSERT_GT(templates.size(), templates.R_view_part.size()) << "several anchors a view";
+  for (std::size_t t = 0; t < templates.size(); t += 7) {
+    const Eigen::Matrix3f& R = templates.R_view_part[templates.views[t]];
+    const View& view = model.view_from(-R.row(2).transpose());
+    const Vector3f anchor = R * templates.anchors_m[t];
+    for (int i = 0; i < PoseTemplates::kSamples; i += 5) {
+      const int direction = i / PoseTemplates::kRings;
+      const double angle_rad = 2 * M_PI * direction / PoseTemplates::kTurns;
+      const double radius_m =
+          double(PoseTemplates::kRadii[i % PoseTemplates::kRings]) * part_.diameter_m;
+      const Eigen::Vector2f at =
+          anchor.head<2>() +
+          Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)).cast<float>() * float(radius_m);
+      double nearest_m = 1, least_depth_m = 1, most_depth_m = -1;
+      for (std::uint32_t k = view.first; k < view.first + view.points_n; ++k) {
+        const Vector3f p = R * model.points().position_m(k);
+        const double distance_m = double((p.head<2>() - at).norm());
+        nearest_m = std::min(nearest_m, distance_m);
+        if (distance_m > 3 * cell_m) continue;
+        least_depth_m = std::min(least_depth_m, double(p.z() - anchor.z()));
+        most_depth_m = std::max(most_depth_m, double(p.z() - anchor.z()));
+      }
+      const bool is_inside = (templates.inside[t] >> i & 1U) != 0;
+      if (is_inside) {
+        const double unit_m = double(PoseTemplates::kUnit) * part_.diameter_m;
+        const double depth_m =
+            templates.depths[t * PoseTemplates::kSamples + std::size_t(i)] * unit_m;
+        EXPECT_GT(depth_m, least_depth_m - 0.6 * unit_m) << t << " " << i;
+        EXPECT_LT(depth_m, most_depth_m + 0.6 * unit_m) << t << " " << i;
+      } else {
+        EXPECT_GT(nearest_m, 0.2 * cell_m) << t << " " << i;
+      }
     }
-    EXPECT_LT(nearest_m, 1e-6F);
   }
 }
 
@@ -84,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(Parts, EveryModel,
                          ::testing::Values("tee", "elbow", "straight_pipe", "hex_bolt", "l_bracket",
                                            "flanged_ring"));
 
-TEST(RegistrationModel, SymmetriesSpareAnchors) {
+TEST(RegistrationModel, SymmetriesSpareTemplates) {
   const Part block = graspd::testing::block_part("block", {0.08, 0.05, 0.03});
   Symmetries turns;
   for (int axis = 0; axis < 3; ++axis) {
@@ -92,8 +121,8 @@ TEST(RegistrationModel, SymmetriesSpareAnchors) {
     T.rotate(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::Unit(axis)));
     turns.discrete.push_back(T);
   }
-  const std::size_t all_n = block.registration.anchors().size();
-  const std::size_t spared_n = RegistrationModel(block.mesh, block.surface, turns).anchors().size();
+  const std::size_t all_n = block.registration.templates().size();
+  const std::size_t spared_n = RegistrationModel(block.mesh, turns).templates().size();
   EXPECT_LT(spared_n, 0.45 * static_cast<double>(all_n));
   EXPECT_GE(spared_n, 0.2 * static_cast<double>(all_n)) << "a quarter is needed";
 }

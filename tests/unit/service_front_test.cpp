@@ -46,6 +46,27 @@ TEST(Front, PlansAndSaysHowLongItTookAndWhoAnswered) {
   EXPECT_GT(answer->timings[1].duration_ns, 0);
 }
 
+TEST(Front, TellsThePlannerWhenItsTimeIsUp) {
+  std::promise<TimePoint> told;
+  ThreadLauncher launcher =
+      threads([&](const DepthFrame&, const PlanRequest&, TimePoint deadline) -> Result<PlanAnswer> {
+        told.set_value(deadline);
+        return fail(Code::kDeadlineExceeded, "after preprocess");
+      });
+  RunningFront front(scripted_config(1), launcher);
+  front.wait_ready();
+  Client client({front.data_endpoint}, options_of("cell", 1));
+  const TimePoint before = Clock::now();
+  const auto answer = client.plan(example_frame(), example_request(), kBudget);
+  const TimePoint after = Clock::now();
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, Code::kDeadlineExceeded);
+  EXPECT_EQ(answer.error().message, "after preprocess");
+  const TimePoint deadline = told.get_future().get();
+  EXPECT_GE(deadline, before + kBudget - std::chrono::milliseconds(1)) << "sent in milliseconds";
+  EXPECT_LE(deadline, after + kBudget);
+}
+
 TEST(Front, ServesCellsWithDifferentCamerasAndPartsAtTheSameTime) {
   ProcessLauncher launcher = processes();
   RunningFront front(scripted_config(2), launcher);

@@ -29,7 +29,8 @@ inline std::vector<Grasp> long_rejected_grasps() {
   return std::vector<Grasp>(4000, grasp);
 }
 
-inline Result<PlanAnswer> scripted_plan(const DepthFrame& frame, const PlanRequest& request) {
+inline Result<PlanAnswer> scripted_plan(const DepthFrame& frame, const PlanRequest& request,
+                                        std::chrono::steady_clock::time_point /*deadline*/) {
   const std::string& script = request.parts.at(0).id;
   PlanAnswer answer;
   if (script == "crash") std::raise(SIGKILL);

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "graspd/service/fair_queue.hpp"
 #include "graspd/service/front.hpp"
 #include "graspd/service/private_directory.hpp"
 #include "service_script.hpp"
@@ -21,13 +22,13 @@ namespace graspd::service {
 class Gate {
  public:
   PlanHandler handler() {
-    return [this](const DepthFrame& frame, const PlanRequest& request) {
+    return [this](const DepthFrame& frame, const PlanRequest& request, TimePoint deadline) {
       std::unique_lock lock(mutex_);
       ++entered_n_;
       changed_.notify_all();
       changed_.wait(lock, [this] { return open_; });
       lock.unlock();
-      return scripted_plan(frame, request);
+      return scripted_plan(frame, request, deadline);
     };
   }
   void open() {

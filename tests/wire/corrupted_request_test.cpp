@@ -255,7 +255,8 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"segmentation_99",
             {{kPlan + "options.segmentation", "99"}},
             "plan.request.options.segmentation: 99 is no segmentation; say "
-            "SEGMENTATION_UNSPECIFIED | IMPROVED_DBSCAN | DBSCAN | EUCLIDEAN | REGION_GROWING"},
+            "SEGMENTATION_UNSPECIFIED | IMPROVED_DBSCAN | DBSCAN | EUCLIDEAN | REGION_GROWING | "
+            "GRID_DBSCAN"},
         Row{"registration_99",
             {{kPlan + "options.registration", "99"}},
             "plan.request.options.registration: 99 is no registration"},

@@ -63,7 +63,8 @@ struct WireEnum<Segmentation> {
       {Segmentation::kImprovedDbscan, v1::PlanOptions::IMPROVED_DBSCAN},
       {Segmentation::kDbscan, v1::PlanOptions::DBSCAN},
       {Segmentation::kEuclidean, v1::PlanOptions::EUCLIDEAN},
-      {Segmentation::kRegionGrowing, v1::PlanOptions::REGION_GROWING}};
+      {Segmentation::kRegionGrowing, v1::PlanOptions::REGION_GROWING},
+      {Segmentation::kGridDbscan, v1::PlanOptions::GRID_DBSCAN}};
 };
 
 template <>

@@ -34,7 +34,7 @@ SegmentationAccuracy measure_segmentation(const BopImage& image, const PlanReque
     diameter_m = std::max(diameter_m, parts.back()->diameter_m);
   }
   const perception::Scene scene =
-      perception::preprocess(image.frame, request, diameter_m, parameters.preprocess);
+      perception::prepare_scene(image.frame, request, diameter_m, parameters);
   const auto segments =
       perception::segment(scene.cloud, parts, parameters.preprocess, parameters.segmentation);
   return segmentation_accuracy(scene.cloud, segments, image);

@@ -94,13 +94,13 @@ void check_normals(const Mesh& mesh, const MeshTopology& topology, Findings& fin
   if (!topology.inconsistent_edges.empty()) {
     const std::size_t n = topology.reversed_triangles.size();
     findings.add(
-        Severity::kError, "normals",
-        "{} of {} triangles {} wound against their neighbours{}, so that their normals "
-        "point into the part: use \"recalculate normals outside\" in your mesh program.",
+        Severity::kWarning, "normals",
+        "{} of {} triangles {} wound against their neighbours{}: graspd turns them over when it "
+        "loads the part, but use \"recalculate normals outside\" for other programs.",
         n, mesh.triangles.size(), n == 1 ? "is" : "are",
         n == 0 ? std::string()
                : ", the first at " + in_mm(centroid_m(mesh, topology.reversed_triangles.front())));
-  } else if (topology.is_closed() && signed_volume_m3(mesh) < 0) {
+  } else if (is_inside_out(mesh)) {
     findings.add(Severity::kWarning, "normals",
                  "All triangles face into the part (its volume is {:.4g} cm³): graspd turns them "
                  "over when it loads the part, but flip the normals for other programs.",

@@ -8,6 +8,10 @@
 namespace graspd::parts {
 namespace {
 
+/// Of the volume to the area to the power of 1.5, which is 0.09 for a ball and 0.002 for a plate of
+/// 100 × 100 × 0.5 mm: less is a flat sheet with rounded coordinates.
+constexpr double kSheetShare = 1e-5;
+
 Eigen::Vector3d surface_centroid_m(const Mesh& mesh) {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   double area_m2 = 0;
@@ -46,6 +50,10 @@ double signed_volume_m3(const Mesh& mesh) {
     volume_m3 += tetrahedron_volume_m3(triangle_of(mesh, indices), reference_m);
   }
   return volume_m3;
+}
+
+bool is_inside_out(const Mesh& mesh) {
+  return signed_volume_m3(mesh) < -kSheetShare * std::pow(surface_area_m2(mesh), 1.5);
 }
 
 Eigen::Vector3d barycentre_m(const Mesh& mesh) {

@@ -33,4 +33,8 @@ Eigen::Vector3d with_fixed_sign(const Eigen::Vector3d& axis);
 /// Eigenvectors of the surface's covariance as columns, largest variance first, right-handed.
 Eigen::Matrix3d principal_axes(const Mesh& mesh);
 
+/// Whether the triangles face inwards on the whole. Of a surface with holes too, but not of a flat
+/// sheet, which has no inside.
+bool is_inside_out(const Mesh& mesh);
+
 }  // namespace graspd::parts

@@ -1,5 +1,7 @@
 #include "graspd/parts/part.hpp"
 
+#include <algorithm>
+
 #include "length_unit.hpp"
 #include "mesh_geometry.hpp"
 #include "mesh_topology.hpp"
@@ -17,10 +19,14 @@ Result<void> check_size(const PartDescription& description, double diameter_m) {
                  diameter_m * 1e3, probable_unit(diameter_m, description.mesh_unit));
 }
 
-/// Some exporters write solids inside out; what follows wants normals that point outwards.
+/// Some exporters write solids inside out, or some of their triangles; what follows wants normals
+/// that point outwards.
 void turn_outwards(Mesh& mesh) {
-  if (!analyse_topology(mesh).is_closed() || signed_volume_m3(mesh) >= 0) return;
-  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  const auto turn_over = [](std::array<int, 3>& triangle) { std::swap(triangle[1], triangle[2]); };
+  for (const std::size_t i : analyse_topology(mesh).reversed_triangles) {
+    turn_over(mesh.triangles[i]);
+  }
+  if (is_inside_out(mesh)) std::ranges::for_each(mesh.triangles, turn_over);
 }
 
 }  // namespace
@@ -48,7 +54,7 @@ Result<Part> make_part(const PartDescription& description) {
   part.principal_axes = principal_axes(*mesh);
   part.surface = sample_surface(*mesh, kTemplateSpacing_m);
   part.symmetries = description.symmetries ? *description.symmetries : find_symmetries(*mesh);
-  part.registration = RegistrationModel(*mesh, part.surface, part.symmetries);
+  part.registration = RegistrationModel(*mesh, part.symmetries);
   part.mesh = std::move(*mesh);
   part.pick_points = description.pick_points;
   part.color_rgb = description.color_rgb;

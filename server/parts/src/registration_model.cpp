@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
+#include "make_pose_templates.hpp"
 #include "view_rendering.hpp"
 
 namespace graspd::parts {
@@ -14,24 +16,30 @@ namespace {
 constexpr int kViews = 240;                // about 13° apart
 constexpr double kCellsAcross = 40;        // of a view, over the part's diameter
 constexpr std::size_t kSpreadPoints = 64;  // of a view: the leading ones
-constexpr double kAnchorsAcross = 12;      // along the part's diameter
-constexpr std::size_t kMaxAnchors = 400;
-constexpr int kCubeSide = 24;  // cells of the cube map: 3.75° wide
+constexpr int kCubeSide = 24;              // cells of the cube map: 3.75° wide
 constexpr std::size_t kReadAhead = 16;
 /// From the outline to where the surface must have ended: the sensor blurs an edge over two pixels
 /// of 2 mm to either side.
 constexpr double kBeyond_m = 0.005;
 
-/// Brings points to the front, each as far as can be from those before it, until the next would be
-/// nearer than `min_distance_m` or `most` are chosen. Distances count across `line_of_sight`, or
-/// in space where it is 0. \returns how many were chosen.
-std::size_t spread_first(std::vector<SurfacePoint>& points, std::size_t most, double min_distance_m,
-                         const Eigen::Vector3f& line_of_sight) {
-  const auto min_distance2 = static_cast<float>(min_distance_m * min_distance_m);
+/// Reorders points so that any leading ones are spread over all: in steps of the golden section.
+void spread(std::vector<SurfacePoint>& points) {
+  const std::size_t count = points.size();
+  auto step = static_cast<std::size_t>(static_cast<double>(count) / std::numbers::phi);
+  while (std::gcd(step, count) > 1) ++step;
+  std::vector<SurfacePoint> reordered;
+  for (std::size_t i = 0; i < count; ++i) reordered.push_back(points[i * step % count]);
+  points = std::move(reordered);
+}
+
+/// Brings points to the front, each as far across the line of sight as can be from those before it:
+/// the very first ones decide whether a hypothesis is looked at further.
+void spread_first(std::vector<SurfacePoint>& points, std::size_t count,
+                  const Eigen::Vector3f& line_of_sight) {
   std::vector<float> distance2(points.size(), std::numeric_limits<float>::max());
   Eigen::Vector3f last = Eigen::Vector3f::Zero();
   for (const auto& point : points) last += point.position_m / static_cast<float>(points.size());
-  for (std::size_t chosen = 0; chosen < std::min(most, points.size()); ++chosen) {
+  for (std::size_t chosen = 0; chosen < std::min(count, points.size()); ++chosen) {
     std::size_t farthest = chosen;
     for (std::size_t i = chosen; i < points.size(); ++i) {
       const Eigen::Vector3f d = points[i].position_m - last;
@@ -39,12 +47,10 @@ std::size_t spread_first(std::vector<SurfacePoint>& points, std::size_t most, do
       distance2[i] = std::min(distance2[i], d.squaredNorm() - along * along);
       if (distance2[i] > distance2[farthest]) farthest = i;
     }
-    if (chosen > 0 && distance2[farthest] < min_distance2) return chosen;
     std::swap(points[chosen], points[farthest]);
     std::swap(distance2[chosen], distance2[farthest]);
     last = points[chosen].position_m;
   }
-  return std::min(most, points.size());
 }
 
 /// Cell of a cube map.
@@ -71,52 +77,6 @@ Eigen::Vector3f cube_direction(int cell) {
   return direction;
 }
 
-/// Whether a symmetry takes one surface point to about the other.
-class Equal {
- public:
-  Equal(const Symmetries& symmetries, double distance_m)
-      : symmetries_(symmetries), distance_m_(static_cast<float>(distance_m)) {}
-
-  bool operator()(const SurfacePoint& a, const SurfacePoint& b) const {
-    const auto by_turn = [&](const Eigen::Isometry3d& T) {
-      return near(T.cast<float>() * a.position_m, b.position_m) &&
-             alike(T.linear().cast<float>() * a.normal, b.normal);
-    };
-    const auto by_axis = [&](const ContinuousSymmetry& symmetry) {
-      const auto [p_a, n_a] = about(symmetry, a);
-      const auto [p_b, n_b] = about(symmetry, b);
-      return near(p_a, p_b) && alike(n_a, n_b);
-    };
-    return std::any_of(symmetries_.discrete.begin(), symmetries_.discrete.end(), by_turn) ||
-           std::any_of(symmetries_.continuous.begin(), symmetries_.continuous.end(), by_axis);
-  }
-
- private:
-  static constexpr float kAlikeCosine = 0.9F;
-
-  bool near(const Eigen::Vector3f& p, const Eigen::Vector3f& q) const {
-    return (p - q).squaredNorm() < distance_m_ * distance_m_;
-  }
-  static bool alike(const Eigen::Vector3f& n, const Eigen::Vector3f& m) {
-    return n.dot(m) > kAlikeCosine;
-  }
-  /// Position and normal, turned about the axis so that the position has no tangential part.
-  static std::pair<Eigen::Vector3f, Eigen::Vector3f> about(const ContinuousSymmetry& symmetry,
-                                                           const SurfacePoint& point) {
-    const Eigen::Vector3f axis = symmetry.axis.cast<float>();
-    const Eigen::Vector3f d = point.position_m - symmetry.point_m.cast<float>();
-    const Eigen::Vector3f across = d - d.dot(axis) * axis;
-    const float radius_m = across.norm();
-    const Eigen::Vector3f radial =
-        radius_m > 1e-6F ? Eigen::Vector3f(across / radius_m) : axis.unitOrthogonal();
-    const Eigen::Vector3f& n = point.normal;
-    return {{radius_m, 0, d.dot(axis)}, {n.dot(radial), n.dot(axis.cross(radial)), n.dot(axis)}};
-  }
-
-  const Symmetries& symmetries_;
-  float distance_m_;
-};
-
 }  // namespace
 
 std::vector<Eigen::Vector3f> spread_directions(int count) {
@@ -141,11 +101,10 @@ void PointArrays::push_back(const SurfacePoint& point) {
   nz.push_back(point.normal.z());
 }
 
-RegistrationModel::RegistrationModel(const Mesh& mesh, std::span<const SurfacePoint> surface,
-                                     const Symmetries& symmetries) {
+RegistrationModel::RegistrationModel(const Mesh& mesh, const Symmetries& symmetries) {
   const double across_m = diameter_m(mesh);
   add_views(mesh, across_m);
-  add_anchors(surface, across_m, symmetries);
+  templates_ = make_pose_templates(views_, points_, across_m, across_m / kCellsAcross, symmetries);
 }
 
 const View& RegistrationModel::view_from(const Eigen::Vector3f& towards_camera) const {
@@ -157,7 +116,8 @@ void RegistrationModel::add_views(const Mesh& mesh, double diameter_m) {
   std::uint32_t largest_n = 1;
   for (const Eigen::Vector3f& direction : spread_directions(kViews)) {
     auto [seen, beyond] = render_view(mesh, direction, cell_m, kBeyond_m);
-    spread_first(seen, kSpreadPoints, 0, direction);
+    spread(seen);
+    spread_first(seen, kSpreadPoints, direction);
     const auto count = static_cast<std::uint32_t>(seen.size());
     largest_n = std::max(largest_n, count);
     views_.push_back({direction, static_cast<std::uint32_t>(points_.size()), count,
@@ -171,7 +131,8 @@ void RegistrationModel::add_views(const Mesh& mesh, double diameter_m) {
   }
   largest_view_m2_ = static_cast<float>(largest_n * cell_m * cell_m);
   for (auto* arrays : {&points_, &beyond_}) {
-    for (auto* array : {&arrays->x_m, &arrays->y_m, &arrays->z_m}) {
+    for (auto* array :
+         {&arrays->x_m, &arrays->y_m, &arrays->z_m, &arrays->nx, &arrays->ny, &arrays->nz}) {
       array->resize(array->size() + kReadAhead);
     }
   }
@@ -182,30 +143,6 @@ void RegistrationModel::add_views(const Mesh& mesh, double diameter_m) {
           return a.towards_camera.dot(direction) < b.towards_camera.dot(direction);
         });
     nearest_view_.push_back(static_cast<std::uint16_t>(nearest - views_.begin()));
-  }
-}
-
-void RegistrationModel::add_anchors(std::span<const SurfacePoint> surface, double diameter_m,
-                                    const Symmetries& symmetries) {
-  // Only what is seen from where it faces: not the depth of a bore.
-  const auto cell_m = static_cast<float>(2 * diameter_m / kCellsAcross);
-  std::vector<SurfacePoint> outside;
-  for (const SurfacePoint& point : surface) {
-    const View& view = view_from(point.normal);
-    for (std::uint32_t i = view.first; i < view.first + view.points_n; ++i) {
-      if ((points_.position_m(i) - point.position_m).squaredNorm() > cell_m * cell_m) continue;
-      outside.push_back(point);
-      break;
-    }
-  }
-  const double spacing_m = diameter_m / kAnchorsAcross;
-  outside.resize(spread_first(outside, kMaxAnchors, spacing_m, Eigen::Vector3f::Zero()));
-  const Equal equal(symmetries, 0.7 * spacing_m);
-  for (const SurfacePoint& point : outside) {
-    const bool known =
-        std::any_of(anchors_.begin(), anchors_.end(),
-                    [&](const SurfacePoint& anchor) { return equal(point, anchor); });
-    if (!known) anchors_.push_back(point);
   }
 }
 

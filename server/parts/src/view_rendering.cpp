@@ -10,6 +10,8 @@ namespace graspd::parts {
 namespace {
 
 constexpr float kMinFacingCosine = 0.3F;
+/// A surface that falls by this many times the distance has ended: steeper than 63°.
+constexpr float kStep = 2;
 constexpr float kNothing = std::numeric_limits<float>::lowest();
 
 /// Depth buffer across the line of sight. Its axes: right, down, towards the camera.
@@ -64,19 +66,20 @@ class Canvas {
     return seen;
   }
 
-  /// Of the empty cells those whose nearest covered cell lies at the margin's distance, as high as
-  /// that one.
-  std::vector<SurfacePoint> beyond() const {
+  /// Where a surface must have ended, since what is seen there lies `step_m` below it, or nothing:
+  /// the cells whose nearest such surface is at the margin's distance, as high as that one.
+  std::vector<SurfacePoint> beyond(float step_m) const {
     std::vector<SurfacePoint> rim;
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        if (at(x, y).height_m != kNothing) continue;
+        const float least_m = at(x, y).height_m == kNothing ? kNothing : at(x, y).height_m + step_m;
         int nearest2 = (margin_ + 1) * (margin_ + 1);
         const Cell* nearest = nullptr;
         for (int v = std::max(0, y - margin_); v <= std::min(height_ - 1, y + margin_); ++v) {
           for (int u = std::max(0, x - margin_); u <= std::min(width_ - 1, x + margin_); ++u) {
             const int distance2 = (u - x) * (u - x) + (v - y) * (v - y);
-            if (at(u, v).height_m == kNothing || distance2 >= nearest2) continue;
+            const bool ends_here = at(u, v).height_m != kNothing && at(u, v).height_m >= least_m;
+            if (!ends_here || distance2 >= nearest2) continue;
             nearest2 = distance2;
             nearest = &at(u, v);
           }
@@ -130,7 +133,7 @@ RenderedView render_view(const Mesh& mesh, const Eigen::Vector3f& towards_camera
                 mesh.vertices_m[static_cast<std::size_t>(b)],
                 mesh.vertices_m[static_cast<std::size_t>(c)]);
   }
-  return {canvas.points(), canvas.beyond()};
+  return {canvas.points(), canvas.beyond(kStep * static_cast<float>(beyond_m))};
 }
 
 }  // namespace graspd::parts

@@ -8,8 +8,8 @@ namespace graspd::parts {
 
 struct RenderedView {
   std::vector<SurfacePoint> surface;
-  /// Beside the outline, where the surface would go on if it did not end: a reading there says that
-  /// what is seen is larger than the part.
+  /// Beside outlines, the part's and those of what lies before the rest of it, where the surface
+  /// would go on if it did not end: a reading there says that what is seen is larger than the part.
   std::vector<SurfacePoint> beyond;
 };
 

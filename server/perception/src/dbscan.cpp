@@ -1,31 +1,9 @@
 #include "graspd/perception/dbscan.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numeric>
+#include "dbscan_steps.hpp"
 
 namespace graspd::perception {
 namespace {
-
-/// Union-find over cluster numbers; a set is named by its lowest member.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::int32_t count) : parent_(static_cast<std::size_t>(count)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  std::int32_t find(std::int32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void merge(std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::int32_t> parent_;
-};
 
 std::size_t common_count(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) {
   std::size_t count = 0;
@@ -38,6 +16,28 @@ std::size_t common_count(std::span<const std::uint32_t> a, std::span<const std::
   }
   return count;
 }
+
+class StoredReach {
+ public:
+  StoredReach(const Cloud& cloud, const Neighbourhoods& neighbourhoods, const DbscanResult& result)
+      : cloud_(cloud), neighbourhoods_(neighbourhoods), result_(result) {}
+  template <class Visit>
+  void visit_core(std::uint32_t i, Visit visit) const {
+    for (const std::uint32_t j : neighbourhoods_.of(i)) {
+      if (result_.is_core[j]) visit(j, (cloud_.points_m[i] - cloud_.points_m[j]).squaredNorm());
+    }
+  }
+  auto common_with(std::uint32_t i) const {
+    return [this, i](std::uint32_t j) {
+      return common_count(neighbourhoods_.of(i), neighbourhoods_.of(j));
+    };
+  }
+
+ private:
+  const Cloud& cloud_;
+  const Neighbourhoods& neighbourhoods_;
+  const DbscanResult& result_;
+};
 
 /// Spreads one cluster over the core points that are density-reachable from `seed`.
 void grow(std::uint32_t seed, const Neighbourhoods& neighbourhoods, DbscanResult& result,
@@ -70,57 +70,23 @@ DbscanResult dbscan(const Cloud& cloud, const Neighbourhoods& neighbourhoods, in
   for (std::uint32_t i = 0; i < count; ++i) {
     if (result.is_core[i] && result.labels[i] == kNoise) grow(i, neighbourhoods, result, stack);
   }
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (result.is_core[i]) continue;
-    float nearest2 = std::numeric_limits<float>::max();
-    for (const std::uint32_t j : neighbourhoods.of(i)) {
-      if (!result.is_core[j]) continue;
-      const float distance2 = (cloud.points_m[i] - cloud.points_m[j]).squaredNorm();
-      if (distance2 >= nearest2) continue;
-      nearest2 = distance2;
-      result.labels[i] = result.labels[j];
-    }
-  }
+  assign_border_points(StoredReach(cloud, neighbourhoods, result), result);
   return result;
 }
 
 void merge_at_borders(const Cloud& cloud, const Neighbourhoods& neighbourhoods,
                       double smoothness_rad, double curvature, DbscanResult& result) {
-  const auto min_cosine = static_cast<float>(std::cos(smoothness_rad));
-  const auto max_curvature = static_cast<float>(curvature);
-  DisjointSets sets(result.clusters_n);
-  for (std::uint32_t i = 0; i < result.labels.size(); ++i) {
-    if (result.is_core[i] || result.labels[i] == kNoise) continue;
-    std::size_t most_common = 0;
-    std::uint32_t best = i;
-    for (const std::uint32_t j : neighbourhoods.of(i)) {
-      if (!result.is_core[j]) continue;
-      const std::size_t common = common_count(neighbourhoods.of(i), neighbourhoods.of(j));
-      if (common > most_common) {
-        most_common = common;
-        best = j;
-      }
-    }
-    if (best == i || sets.find(result.labels[best]) == sets.find(result.labels[i])) continue;
-    const bool smooth = cloud.normals[i].dot(cloud.normals[best]) > min_cosine;
-    const bool alike = std::abs(cloud.curvatures[i] - cloud.curvatures[best]) < max_curvature;
-    if (smooth && alike) sets.merge(result.labels[i], result.labels[best]);
-  }
-  std::vector<std::int32_t> renumbered(static_cast<std::size_t>(result.clusters_n), kNoise);
-  std::int32_t next = 0;
-  for (std::int32_t label = 0; label < result.clusters_n; ++label) {
-    const std::int32_t root = sets.find(label);
-    if (root == label) renumbered[label] = next++;
-    renumbered[label] = renumbered[root];
-  }
-  for (std::int32_t& label : result.labels) {
-    if (label != kNoise) label = renumbered[label];
-  }
-  result.clusters_n = next;
+  merge_clusters_at_borders(cloud, StoredReach(cloud, neighbourhoods, result), smoothness_rad,
+                            curvature, result);
 }
 
 std::vector<Indices> clusters_of(const DbscanResult& result) {
-  std::vector<Indices> clusters(static_cast<std::size_t>(result.clusters_n));
+  std::vector<std::size_t> sizes(static_cast<std::size_t>(result.clusters_n), 0);
+  for (const std::int32_t label : result.labels) {
+    if (label != kNoise) ++sizes[label];
+  }
+  std::vector<Indices> clusters(sizes.size());
+  for (std::size_t c = 0; c < sizes.size(); ++c) clusters[c].reserve(sizes[c]);
   for (std::uint32_t i = 0; i < result.labels.size(); ++i) {
     if (result.labels[i] != kNoise) clusters[result.labels[i]].push_back(i);
   }

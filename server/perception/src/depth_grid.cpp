@@ -1,146 +1,94 @@
 #include "graspd/perception/depth_grid.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
+#include "graspd/perception/plane_fit.hpp"
 #include "graspd/types/camera_model.hpp"
 
 namespace graspd::perception {
 namespace {
 
-/// Around what may be a part: readings there refute poses that reach beyond.
 constexpr int kMargin_px = 12;
+constexpr float kHalfCell_px = 0.5F;
 /// A cell belongs to the parts where a point of theirs lies within a pixel, about as deep.
 constexpr float kSameSurface_m = 0.03F;
-constexpr int kNormalReach_px = 3;
-constexpr float kNormalStep_m = 0.008F;  ///< farther than this is another surface
-constexpr int kNormalMinCells = 12;
 
 constexpr std::uint32_t kInFront = 1;  // nearer than any reading
 constexpr int kHighBits = 16;
 
-struct Box {
-  int u_first, v_first, u_last, v_last;
-};
-
-Box covering(const CameraIntrinsics& camera, const Cloud& cloud) {
-  Box box{camera.width_px, camera.height_px, -1, -1};
-  for (const auto& p : cloud.points_m) {
-    const Eigen::Vector2d pixel = project(camera, p.cast<double>());
-    const auto u = static_cast<int>(std::lround(pixel.x()));
-    const auto v = static_cast<int>(std::lround(pixel.y()));
-    box = {std::min(box.u_first, u), std::min(box.v_first, v), std::max(box.u_last, u),
-           std::max(box.v_last, v)};
-  }
-  return {std::max(0, box.u_first - kMargin_px), std::max(0, box.v_first - kMargin_px),
-          std::min(camera.width_px - 1, box.u_last + kMargin_px),
-          std::min(camera.height_px - 1, box.v_last + kMargin_px)};
+PixelGrid image_of(const CameraIntrinsics& camera) {
+  return {camera.width_px,
+          camera.height_px,
+          static_cast<float>(camera.fx_px),
+          static_cast<float>(camera.fy_px),
+          static_cast<float>(camera.cx_px),
+          static_cast<float>(camera.cy_px)};
 }
 
-DepthGrid empty_grid(const CameraIntrinsics& camera, const Box& box) {
+/// A box of the image, with cells around it that hold nothing.
+DepthGrid empty_grid(const PixelGrid& image, const CellBox& box) {
   DepthGrid grid;
   grid.width_px = std::max(0, box.u_last - box.u_first + 1) + 2;
   grid.height_px = std::max(0, box.v_last - box.v_first + 1) + 2;
-  grid.fx_px = static_cast<float>(camera.fx_px);
-  grid.fy_px = static_cast<float>(camera.fy_px);
-  grid.cx_px = static_cast<float>(camera.cx_px - box.u_first + 1);
-  grid.cy_px = static_cast<float>(camera.cy_px - box.v_first + 1);
-  const std::size_t count =
-      static_cast<std::size_t>(grid.width_px) * static_cast<std::size_t>(grid.height_px);
-  grid.z_m.assign(count, 0);
-  grid.normals.assign(count, Eigen::Vector3f::Zero());
-  grid.is_part.assign(count, 0);
-  grid.is_claimed.assign(count, 0);
-  grid.packed.assign(count, 0);
+  grid.fx_px = image.fx_px;
+  grid.fy_px = image.fy_px;
+  grid.cx_px = image.cx_px - static_cast<float>(box.u_first - 1);
+  grid.cy_px = image.cy_px - static_cast<float>(box.v_first - 1);
+  grid.z_m.assign(
+      static_cast<std::size_t>(grid.width_px) * static_cast<std::size_t>(grid.height_px), 0);
   return grid;
 }
 
-/// Copies the box out of the frame; through the lens where it distorts.
-void take_readings(const CameraIntrinsics& camera, const std::vector<float>& z_m, const Box& box,
-                   DepthGrid& grid) {
-  const bool is_distorted = std::any_of(camera.distortion.begin(), camera.distortion.end(),
-                                        [](double k) { return k != 0; });
-  for (int v = 1; v < grid.height_px - 1; ++v) {
-    for (int u = 1; u < grid.width_px - 1; ++u) {
-      int from_u = u - 1 + box.u_first;
-      int from_v = v - 1 + box.v_first;
-      if (is_distorted) {
-        const Eigen::Vector3d ray((from_u - camera.cx_px) / camera.fx_px,
-                                  (from_v - camera.cy_px) / camera.fy_px, 1);
-        const Eigen::Vector2d pixel = project(camera, ray);
-        from_u = static_cast<int>(std::lround(pixel.x()));
-        from_v = static_cast<int>(std::lround(pixel.y()));
-      }
-      if (from_u < 0 || from_v < 0 || from_u >= camera.width_px || from_v >= camera.height_px) {
-        continue;
-      }
-      grid.z_m[grid.index(u, v)] =
-          z_m[static_cast<std::size_t>(from_v) * static_cast<std::size_t>(camera.width_px) +
-              static_cast<std::size_t>(from_u)];
-    }
-  }
-}
-
-template <class Visit>
-void for_neighbours(const DepthGrid& grid, int u, int v, int reach, Visit visit) {
-  for (int y = std::max(0, v - reach); y <= std::min(grid.height_px - 1, v + reach); ++y) {
-    for (int x = std::max(0, u - reach); x <= std::min(grid.width_px - 1, u + reach); ++x) {
-      visit(x, y);
-    }
-  }
+/// From each cell to the eight around it and itself.
+std::array<std::ptrdiff_t, 9> offsets_around(const DepthGrid& grid) {
+  const std::ptrdiff_t row = grid.width_px;
+  return {-row - 1, -row, -row + 1, -1, 0, 1, row - 1, row, row + 1};
 }
 
 void mark_parts(const Cloud& cloud, DepthGrid& grid) {
+  grid.is_part.assign(grid.size(), 0);
+  const auto around = offsets_around(grid);
   for (const auto& p : cloud.points_m) {
-    const auto u = static_cast<int>(std::lround(p.x() / p.z() * grid.fx_px + grid.cx_px));
-    const auto v = static_cast<int>(std::lround(p.y() / p.z() * grid.fy_px + grid.cy_px));
-    for_neighbours(grid, u, v, 1, [&](int x, int y) {
-      const std::size_t i = grid.index(x, y);
-      if (grid.z_m[i] > 0 && std::abs(grid.z_m[i] - p.z()) < kSameSurface_m) grid.is_part[i] = 1;
-    });
+    const std::size_t cell = grid.cell_of(p);
+    if (cell == grid.size()) continue;
+    for (const std::ptrdiff_t offset : around) {
+      const std::size_t i = cell + static_cast<std::size_t>(offset);
+      const bool same = grid.z_m[i] > 0 && std::abs(grid.z_m[i] - p.z()) < kSameSurface_m;
+      grid.is_part[i] |= static_cast<std::uint8_t>(same);
+    }
   }
 }
 
 std::uint32_t units(float z_m) {
   constexpr float kMost = 65535;
-  return static_cast<std::uint32_t>(std::min(kMost, std::round(z_m / PackedDepth::kUnit_m)));
+  return static_cast<std::uint32_t>(std::min(kMost, z_m / PackedDepth::kUnit_m + 0.5F));
 }
 
 void pack(DepthGrid& grid) {
+  constexpr float kNone_m = std::numeric_limits<float>::max();
+  const auto width = static_cast<std::size_t>(grid.width_px);
+  grid.packed.assign(grid.size(), 0);
+  std::vector<float> nearest_m(width);  // of each column's three cells
   for (int v = 1; v < grid.height_px - 1; ++v) {
-    for (int u = 1; u < grid.width_px - 1; ++u) {
-      float nearest_m = 0;
-      for_neighbours(grid, u, v, 1, [&](int x, int y) {
-        const float z_m = grid.z_m[grid.index(x, y)];
-        if (z_m > 0 && (nearest_m == 0 || z_m < nearest_m)) nearest_m = z_m;
-      });
-      const std::size_t i = grid.index(u, v);
-      grid.packed[i] = units(grid.z_m[i]) | units(nearest_m) << kHighBits;
+    const float* above = &grid.z_m[grid.index(0, v - 1)];
+    const float* here = above + width;
+    const float* below = here + width;
+    const auto or_none = [](float z_m) { return z_m > 0 ? z_m : kNone_m; };
+    for (std::size_t u = 0; u < width; ++u) {
+      nearest_m[u] = std::min(std::min(or_none(above[u]), or_none(here[u])), or_none(below[u]));
+    }
+    std::uint32_t* packed = &grid.packed[grid.index(0, v)];
+    const std::uint8_t* is_part = &grid.is_part[grid.index(0, v)];
+    for (std::size_t u = 1; u + 1 < width; ++u) {
+      if (here[u] <= 0) continue;
+      const float least_m = std::min(std::min(nearest_m[u - 1], nearest_m[u]), nearest_m[u + 1]);
+      packed[u] = (is_part[u] != 0 ? units(here[u]) : 0) | units(least_m) << kHighBits;
     }
   }
-}
-
-/// Plane through the neighbours on the same surface.
-Eigen::Vector3f normal_at(const DepthGrid& grid, int u, int v) {
-  const float z_m = grid.z_m[grid.index(u, v)];
-  Eigen::Matrix3f A = Eigen::Matrix3f::Zero();
-  Eigen::Vector3f b = Eigen::Vector3f::Zero();
-  for_neighbours(grid, u, v, kNormalReach_px, [&](int x, int y) {
-    const float there_m = grid.z_m[grid.index(x, y)];
-    if (there_m <= 0 || std::abs(there_m - z_m) > kNormalStep_m) return;
-    const Eigen::Vector3f at(static_cast<float>(x - u), static_cast<float>(y - v), 1);
-    A += at * at.transpose();
-    b += at * (there_m - z_m);
-  });
-  if (A(2, 2) < kNormalMinCells) return Eigen::Vector3f::Zero();
-  const Eigen::Vector3f fit = A.inverse() * b;
-  if (!fit.allFinite()) return Eigen::Vector3f::Zero();
-  // From depth per pixel to the surface's slope.
-  const float gx = fit.x() * grid.fx_px / z_m;
-  const float gy = fit.y() * grid.fy_px / z_m;
-  const Eigen::Vector3f ray = grid.point_m(u, v) / z_m;
-  return Eigen::Vector3f(gx, gy, -1 - gx * ray.x() - gy * ray.y()).normalized();
 }
 
 }  // namespace
@@ -152,45 +100,105 @@ Eigen::Vector3f DepthGrid::point_m(int u, int v) const {
 }
 
 std::size_t DepthGrid::cell_of(const Eigen::Vector3f& p_m) const {
-  const auto u = static_cast<int>(std::lround(p_m.x() / p_m.z() * fx_px + cx_px));
-  const auto v = static_cast<int>(std::lround(p_m.y() / p_m.z() * fy_px + cy_px));
-  return contains(u, v) ? index(u, v) : z_m.size();
+  // Rounded without a call: what is below 0 must not become 0.
+  const float u = p_m.x() / p_m.z() * fx_px + cx_px + kHalfCell_px;
+  const float v = p_m.y() / p_m.z() * fy_px + cy_px + kHalfCell_px;
+  const bool is_inside = u >= 1 && v >= 1 && u < static_cast<float>(width_px - 1) &&
+                         v < static_cast<float>(height_px - 1);
+  return is_inside ? index(static_cast<int>(u), static_cast<int>(v)) : z_m.size();
+}
+
+void DepthGrid::take_for_floor(std::size_t cell) {
+  is_part[cell] = 0;
+  packed[cell] &= ~0xFFFFU;
 }
 
 void DepthGrid::claim(const std::vector<std::size_t>& cells) {
+  const auto around = offsets_around(*this);
   for (const std::size_t cell : cells) {
     is_claimed[cell] = 1;
     packed[cell] = kInFront | kInFront << kHighBits;
-    const auto u = static_cast<int>(cell % static_cast<std::size_t>(width_px));
-    const auto v = static_cast<int>(cell / static_cast<std::size_t>(width_px));
-    for_neighbours(*this, u, v, 1, [&](int x, int y) {
-      std::uint32_t& neighbour = packed[index(x, y)];
+    for (const std::ptrdiff_t offset : around) {
+      std::uint32_t& neighbour = packed[cell + static_cast<std::size_t>(offset)];
       if (neighbour != 0) neighbour = (neighbour & 0xFFFFU) | kInFront << kHighBits;
-    });
+    }
   }
+}
+
+CellBox box_around(const Cloud& cloud, const PixelGrid& image) {
+  if (cloud.empty()) return {};
+  Eigen::AlignedBox2f rays;
+  for (const auto& p : cloud.points_m) rays.extend(p.head<2>() / p.z());
+  const auto u = [&](float ray) {
+    return static_cast<int>(std::lround(ray * image.fx_px + image.cx_px));
+  };
+  const auto v = [&](float ray) {
+    return static_cast<int>(std::lround(ray * image.fy_px + image.cy_px));
+  };
+  return {std::max(0, u(rays.min().x()) - kMargin_px), std::max(0, v(rays.min().y()) - kMargin_px),
+          std::min(image.width_px - 1, u(rays.max().x()) + kMargin_px),
+          std::min(image.height_px - 1, v(rays.max().y()) + kMargin_px)};
+}
+
+std::vector<float> readings_m(const DepthFrame& frame, const PreprocessParameters& parameters) {
+  const auto scale_m = static_cast<float>(frame.depth_scale_m);
+  const auto least_m = static_cast<float>(parameters.min_depth_m);
+  const auto most_m = static_cast<float>(parameters.max_depth_m);
+  std::vector<float> z_m(frame.depth.size());
+  for (std::size_t i = 0; i < z_m.size(); ++i) {
+    const float reading_m = static_cast<float>(frame.depth[i]) * scale_m;
+    z_m[i] = (reading_m >= least_m) & (reading_m <= most_m) ? reading_m : 0;
+  }
+  return z_m;
+}
+
+DepthGrid cut_out_readings(const CameraIntrinsics& camera, const std::vector<float>& z_m,
+                           const CellBox& box) {
+  DepthGrid grid = empty_grid(image_of(camera), box);
+  const bool is_distorted = camera.distortion != std::array<double, 5>{};
+  for (int v = 1; v < grid.height_px - 1; ++v) {
+    for (int u = 1; u < grid.width_px - 1; ++u) {
+      int from_u = u - 1 + box.u_first;
+      int from_v = v - 1 + box.v_first;
+      if (is_distorted) {
+        const Eigen::Vector2d pixel = project(camera, {(from_u - camera.cx_px) / camera.fx_px,
+                                                       (from_v - camera.cy_px) / camera.fy_px, 1});
+        from_u = static_cast<int>(std::lround(pixel.x()));
+        from_v = static_cast<int>(std::lround(pixel.y()));
+      }
+      if (from_u < 0 || from_v < 0 || from_u >= camera.width_px || from_v >= camera.height_px) {
+        continue;
+      }
+      grid.z_m[grid.index(u, v)] =
+          z_m[static_cast<std::size_t>(from_v) * static_cast<std::size_t>(camera.width_px) +
+              static_cast<std::size_t>(from_u)];
+    }
+  }
+  return grid;
+}
+
+DepthGrid cut_out_readings(const DepthGrid& image, const CellBox& box) {
+  DepthGrid grid = empty_grid(image.pixels(), box);
+  for (int v = box.v_first; v <= box.v_last; ++v) {
+    std::copy_n(&image.z_m[image.index(box.u_first, v)], grid.width_px - 2,
+                &grid.z_m[grid.index(1, v - box.v_first + 1)]);
+  }
+  return grid;
+}
+
+void complete(const Cloud& parts_cloud, DepthGrid& grid) {
+  mark_parts(parts_cloud, grid);
+  grid.is_claimed.assign(grid.size(), 0);
+  pack(grid);
+  fit_planes(grid.z_m, grid.pixels(), grid.normals, grid.curvatures);
 }
 
 DepthGrid make_depth_grid(const DepthFrame& frame, const Cloud& parts_cloud,
                           const PreprocessParameters& parameters) {
-  std::vector<float> z_m(frame.depth.size());
-  std::transform(frame.depth.begin(), frame.depth.end(), z_m.begin(), [&](std::uint16_t reading) {
-    const double metres = reading * frame.depth_scale_m;
-    const bool in_range = metres >= parameters.min_depth_m && metres <= parameters.max_depth_m;
-    return in_range ? static_cast<float>(metres) : 0.0F;
-  });
-  remove_stray_light(parameters, frame.camera.width_px, frame.camera.height_px, frame.camera.fx_px,
-                     z_m);
-  const Box box = covering(frame.camera, parts_cloud);
-  DepthGrid grid = empty_grid(frame.camera, box);
-  take_readings(frame.camera, z_m, box, grid);
-  mark_parts(parts_cloud, grid);
-  pack(grid);
-  for (int v = 1; v < grid.height_px - 1; ++v) {
-    for (int u = 1; u < grid.width_px - 1; ++u) {
-      const std::size_t i = grid.index(u, v);
-      if (grid.z_m[i] > 0) grid.normals[i] = normal_at(grid, u, v);
-    }
-  }
+  DepthGrid grid = cut_out_readings(frame.camera, readings_m(frame, parameters),
+                                    box_around(parts_cloud, image_of(frame.camera)));
+  sharpen_edges(grid);
+  complete(parts_cloud, grid);
   return grid;
 }
 

@@ -33,7 +33,7 @@ std::vector<double> distances_to_others(std::span<const Eigen::Vector3d> points_
                                         std::size_t target, std::span<const PlacedPart> parts) {
   const auto gap_m = [&](std::size_t other) {
     return (parts[other].barycentre_m() - parts[target].barycentre_m()).norm() -
-           parts[other].part->diameter_m - parts[target].part->diameter_m;
+           parts[other].radius_m() - parts[target].radius_m();
   };
   std::vector<std::pair<double, std::size_t>> others;  // at least this far away, nearest first
   for (std::size_t other = 0; other < parts.size(); ++other) {
@@ -41,18 +41,32 @@ std::vector<double> distances_to_others(std::span<const Eigen::Vector3d> points_
   }
   std::sort(others.begin(), others.end());
 
-  std::vector<double> nearest2(points_m.size(), std::numeric_limits<double>::max());
+  std::vector<float> x_m, y_m, z_m;
+  for (const Eigen::Vector3d& point_m : points_m) {
+    x_m.push_back(static_cast<float>(point_m.x()));
+    y_m.push_back(static_cast<float>(point_m.y()));
+    z_m.push_back(static_cast<float>(point_m.z()));
+  }
+  std::vector<float> nearest2(points_m.size(), std::numeric_limits<float>::max());
   for (const auto& [least_m, other] : others) {
-    if (least_m * least_m > *std::max_element(nearest2.begin(), nearest2.end())) break;
+    const auto farthest2 = static_cast<double>(*std::max_element(nearest2.begin(), nearest2.end()));
+    if (least_m * least_m > farthest2) break;
+    const Eigen::Isometry3f T_floor_other = parts[other].T_floor_part.cast<float>();
     for (const auto& point : parts[other].part->surface) {
-      const Eigen::Vector3d p = parts[other].T_floor_part * point.position_m.cast<double>();
+      const Eigen::Vector3f p = T_floor_other * point.position_m;
+      // Plain arrays: the compiler makes vectors of them.
       for (std::size_t i = 0; i < points_m.size(); ++i) {
-        nearest2[i] = std::min(nearest2[i], (p - points_m[i]).squaredNorm());
+        const float dx = p.x() - x_m[i];
+        const float dy = p.y() - y_m[i];
+        const float dz = p.z() - z_m[i];
+        const float distance2 = dx * dx + dy * dy + dz * dz;
+        nearest2[i] = distance2 < nearest2[i] ? distance2 : nearest2[i];
       }
     }
   }
-  for (double& distance : nearest2) distance = std::sqrt(distance);
-  return nearest2;
+  std::vector<double> distances_m;
+  for (const float distance2 : nearest2) distances_m.push_back(std::sqrt(double{distance2}));
+  return distances_m;
 }
 
 /// Grasp frame with the given approach (z) whose closing direction (x) is the nearest to `closing`.

@@ -11,13 +11,16 @@ namespace {
 
 constexpr int kTemplateOctreeDepth = 8;
 
-/// Whether any point of `a` may be within `distance_m` of one of `b`, by their bounding spheres.
-bool may_touch(const PlacedPart& a, const PlacedPart& b, double distance_m) {
-  const double reach_m = a.part->diameter_m + b.part->diameter_m + distance_m;
-  return (a.barycentre_m() - b.barycentre_m()).norm() <= reach_m;
-}
-
 }  // namespace
+
+double PlacedPart::radius_m() const {
+  double radius2_m2 = 0;
+  for (const auto& point : part->surface) {
+    const Eigen::Vector3d d_m = point.position_m.cast<double>() - part->barycentre_m;
+    radius2_m2 = std::max(radius2_m2, d_m.squaredNorm());
+  }
+  return std::sqrt(radius2_m2);
+}
 
 double p_self(double height_m, double inclination, const GrsParameters& parameters) {
   return parameters.k1 * height_m + parameters.k2 * std::sin(inclination);
@@ -56,18 +59,23 @@ PSystemCount p_system_count(std::size_t target, std::span<const PlacedPart> part
   const Octree octree(points_m, kTemplateOctreeDepth);
   std::vector<bool> is_shared(points_m.size());
 
+  // Nothing of the object is farther from its barycentre.
+  const double reach_m = object.radius_m() + parameters.overlap_distance_m;
+  const Eigen::Vector3f barycentre_m = object.part->barycentre_m.cast<float>();
+  const auto reach2_m2 = static_cast<float>(reach_m * reach_m);
+
   PSystemCount result;
   std::vector<std::uint32_t> found;
   for (std::uint32_t other = 0; other < parts.size(); ++other) {
-    if (other == target || !may_touch(object, parts[other], parameters.overlap_distance_m)) {
-      continue;
-    }
+    const double distance_m = (object.barycentre_m() - parts[other].barycentre_m()).norm();
+    if (other == target || distance_m > reach_m + parts[other].radius_m()) continue;
     const Eigen::Isometry3f T_target_other =
         (object.T_floor_part.inverse() * parts[other].T_floor_part).cast<float>();
     bool touches = false;
     for (const auto& point : parts[other].part->surface) {
-      octree.radius_search(T_target_other * point.position_m,
-                           static_cast<float>(parameters.overlap_distance_m), found);
+      const Eigen::Vector3f p_m = T_target_other * point.position_m;
+      if ((p_m - barycentre_m).squaredNorm() > reach2_m2) continue;
+      octree.radius_search(p_m, static_cast<float>(parameters.overlap_distance_m), found);
       touches |= !found.empty();
       for (const std::uint32_t i : found) is_shared[i] = true;
     }

@@ -1,14 +1,16 @@
 #include "graspd/perception/octree.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
+
+#include "neighbour_kernel.hpp"
 
 namespace graspd::perception {
 namespace {
 
 constexpr int kMortonBits = 16;
-/// Testing this many points costs less than another level of boxes.
-constexpr std::uint32_t kLeafPoints = 8;
+/// Testing this many points, in vectors, costs less than another level of boxes.
+constexpr std::uint32_t kLeafPoints = 32;
 
 /// Spreads 16 bits so that two zero bits follow each.
 std::uint64_t spread(std::uint64_t v) {
@@ -18,6 +20,52 @@ std::uint64_t spread(std::uint64_t v) {
   v = (v | (v << 4)) & 0x30C30C30C30C30C3ULL;
   v = (v | (v << 2)) & 0x9249249249249249ULL;
   return v;
+}
+
+/// The points of some leaves, as the kernel wants them.
+class Candidates {
+ public:
+  void clear() { size_ = 0; }
+  void add(const Eigen::Vector3f& p_m, std::uint32_t point) {
+    if (size_ + kNeighbourPadding >= points_.size()) {
+      for (auto* values : {&x_m_, &y_m_, &z_m_}) values->resize(2 * size_ + 4 * kNeighbourPadding);
+      points_.resize(x_m_.size());
+      found_.resize(x_m_.size());
+    }
+    x_m_[size_] = p_m.x();
+    y_m_[size_] = p_m.y();
+    z_m_[size_] = p_m.z();
+    points_[size_++] = point;
+  }
+  std::span<const std::uint32_t> within(float radius_m, const Eigen::Vector3f& p_m) {
+    const std::size_t found_n = ids_within({x_m_.data(), y_m_.data(), z_m_.data()}, points_.data(),
+                                           size_, p_m.data(), radius_m * radius_m, found_.data());
+    return {found_.data(), found_n};
+  }
+
+ private:
+  std::size_t size_ = 0;
+  std::vector<float> x_m_, y_m_, z_m_;
+  std::vector<std::uint32_t> points_, found_;
+};
+
+/// Neighbourhoods in the points' own order and ascending, from those of points `found_of`. A
+/// neighbour's neighbour is the point itself: each point in turn is handed to its neighbours.
+Neighbourhoods ascending(const Neighbourhoods& found, std::span<const std::uint32_t> found_of) {
+  std::vector<std::uint32_t> place(found_of.size());
+  for (std::uint32_t k = 0; k < found_of.size(); ++k) place[found_of[k]] = k;
+  Neighbourhoods result;
+  result.offsets.push_back(0);
+  for (const std::uint32_t k : place) {
+    result.offsets.push_back(result.offsets.back() +
+                             static_cast<std::uint32_t>(found.of(k).size()));
+  }
+  result.indices.resize(found.indices.size());
+  std::vector<std::uint32_t> next = result.offsets;
+  for (std::uint32_t i = 0; i < place.size(); ++i) {
+    for (const std::uint32_t j : found.of(place[i])) result.indices[next[j]++] = i;
+  }
+  return result;
 }
 
 }  // namespace
@@ -33,35 +81,36 @@ Octree::Octree(std::span<const Eigen::Vector3f> points_m, int max_depth_n) {
   const float side_m = std::max((high - low).maxCoeff() * 1.0001f, 1e-6f);
 
   constexpr auto kCells = static_cast<float>(1 << kMortonBits);
-  std::vector<std::uint64_t> unsorted(points_m.size());
-  for (std::size_t i = 0; i < points_m.size(); ++i) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> by_code(points_m.size());
+  for (std::uint32_t i = 0; i < by_code.size(); ++i) {
     const Eigen::Vector3f cell = (points_m[i] - low) * (kCells / side_m);
     const auto axis = [&](int a) {
       return spread(static_cast<std::uint64_t>(std::clamp(cell[a], 0.0f, kCells - 1)));
     };
-    unsorted[i] = axis(0) | axis(1) << 1 | axis(2) << 2;
+    by_code[i] = {axis(0) | axis(1) << 1 | axis(2) << 2, i};
   }
-  order_.resize(points_m.size());
-  std::iota(order_.begin(), order_.end(), 0U);
-  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return unsorted[a] != unsorted[b] ? unsorted[a] < unsorted[b] : a < b;
-  });
-  std::vector<std::uint64_t> codes(order_.size());
-  sorted_m_.resize(order_.size());
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    codes[k] = unsorted[order_[k]];
-    sorted_m_[k] = points_m[order_[k]];
+  std::sort(by_code.begin(), by_code.end());
+  std::vector<std::uint64_t> codes;
+  codes.reserve(by_code.size());
+  order_.reserve(by_code.size());
+  sorted_m_.reserve(by_code.size());
+  for (const auto& [code, i] : by_code) {
+    codes.push_back(code);
+    order_.push_back(i);
+    sorted_m_.push_back(points_m[i]);
   }
-  const auto end = static_cast<std::uint32_t>(order_.size());
-  const Eigen::Vector3f centre_m = low + Eigen::Vector3f::Constant(side_m / 2);
-  nodes_.push_back({centre_m, side_m / 2, 0, end, 0, 0});
+  nodes_.push_back({{}, 0, static_cast<std::uint32_t>(order_.size()), 0, 0});
   divide(0, 0, std::clamp(max_depth_n, 1, kMortonBits), codes);
 }
 
 void Octree::divide(std::uint32_t node, int depth, int max_depth_n,
                     std::span<const std::uint64_t> codes) {
   const Node parent = nodes_[node];
-  if (depth == max_depth_n || parent.end - parent.begin <= kLeafPoints) return;
+  if (depth == max_depth_n || parent.end - parent.begin <= kLeafPoints) {
+    for (std::uint32_t k = parent.begin; k < parent.end; ++k)
+      nodes_[node].box_m.extend(sorted_m_[k]);
+    return;
+  }
   const int shift = 3 * (kMortonBits - 1 - depth);
   const auto octant = [&](std::uint32_t k) { return (codes[k] >> shift) & 7U; };
 
@@ -72,11 +121,7 @@ void Octree::divide(std::uint32_t node, int depth, int max_depth_n,
     const auto end = static_cast<std::uint32_t>(
         std::partition_point(codes.begin() + begin, codes.begin() + parent.end, is_same) -
         codes.begin());
-    const float half_m = parent.half_m / 2;
-    const Eigen::Vector3f step((which & 1U) != 0 ? half_m : -half_m,
-                               (which & 2U) != 0 ? half_m : -half_m,
-                               (which & 4U) != 0 ? half_m : -half_m);
-    nodes_.push_back({parent.centre_m + step, half_m, begin, end, 0, 0});
+    nodes_.push_back({{}, begin, end, 0, 0});
     begin = end;
   }
   const auto last = static_cast<std::uint32_t>(nodes_.size());
@@ -84,12 +129,12 @@ void Octree::divide(std::uint32_t node, int depth, int max_depth_n,
   nodes_[node].children_n = last - first;
   for (std::uint32_t child = first; child < last; ++child) {
     divide(child, depth + 1, max_depth_n, codes);
+    nodes_[node].box_m.extend(nodes_[child].box_m);
   }
 }
 
-void Octree::radius_search(const Eigen::Vector3f& centre_m, float radius_m,
-                           std::vector<std::uint32_t>& found) const {
-  found.clear();
+template <class Distance2, class Visit>
+void Octree::for_leaves_within(float radius_m, Distance2 distance2, Visit visit) const {
   if (nodes_.empty()) return;
   const float radius2 = radius_m * radius_m;
   std::uint32_t stack[8 * kMortonBits];
@@ -97,14 +142,10 @@ void Octree::radius_search(const Eigen::Vector3f& centre_m, float radius_m,
   stack[top++] = 0;
   while (top > 0) {
     const Node& node = nodes_[stack[--top]];
-    const Eigen::Array3f outside =
-        ((centre_m - node.centre_m).array().abs() - node.half_m).max(0.0f);
-    // A point on the border of two octants may round into either: look a hair further.
-    if (outside.square().sum() > radius2 * 1.002f + 1e-12f) continue;
+    // A hair further: the points' own distances are rounded in another way.
+    if (distance2(node.box_m) > radius2 * 1.002f + 1e-12f) continue;
     if (node.first_child == 0) {
-      for (std::uint32_t k = node.begin; k < node.end; ++k) {
-        if ((sorted_m_[k] - centre_m).squaredNorm() <= radius2) found.push_back(order_[k]);
-      }
+      visit(node);
       continue;
     }
     for (std::uint32_t child = 0; child < node.children_n; ++child) {
@@ -113,28 +154,43 @@ void Octree::radius_search(const Eigen::Vector3f& centre_m, float radius_m,
   }
 }
 
+void Octree::radius_search(const Eigen::Vector3f& centre_m, float radius_m,
+                           std::vector<std::uint32_t>& found) const {
+  found.clear();
+  const auto distance2 = [&](const Eigen::AlignedBox3f& box_m) {
+    return box_m.squaredExteriorDistance(centre_m);
+  };
+  for_leaves_within(radius_m, distance2, [&](const Node& leaf) {
+    for (std::uint32_t k = leaf.begin; k < leaf.end; ++k) {
+      if ((sorted_m_[k] - centre_m).squaredNorm() <= radius_m * radius_m) {
+        found.push_back(order_[k]);
+      }
+    }
+  });
+}
+
 Neighbourhoods Octree::neighbourhoods(float radius_m) const {
-  Neighbourhoods result;
-  result.offsets.assign(order_.size() + 1, 0);
-  // Searched in Morton order, where one search's nodes are still in the cache for the next.
-  std::vector<std::vector<std::uint32_t>::size_type> starts(order_.size());
-  std::vector<std::uint32_t> in_morton_order;
-  std::vector<std::uint32_t> found;
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    radius_search(sorted_m_[k], radius_m, found);
-    starts[order_[k]] = in_morton_order.size();
-    result.offsets[order_[k] + 1] = static_cast<std::uint32_t>(found.size());
-    in_morton_order.insert(in_morton_order.end(), found.begin(), found.end());
+  Neighbourhoods found;  // unsorted, leaf by leaf
+  found.offsets.push_back(0);
+  std::vector<std::uint32_t> found_of;
+  Candidates candidates;
+  for (const Node& leaf : nodes_) {
+    if (leaf.first_child != 0) continue;
+    candidates.clear();
+    const auto distance2 = [&](const Eigen::AlignedBox3f& box_m) {
+      return box_m.squaredExteriorDistance(leaf.box_m);
+    };
+    for_leaves_within(radius_m, distance2, [&](const Node& near) {
+      for (std::uint32_t k = near.begin; k < near.end; ++k) candidates.add(sorted_m_[k], order_[k]);
+    });
+    for (std::uint32_t k = leaf.begin; k < leaf.end; ++k) {
+      const auto within = candidates.within(radius_m, sorted_m_[k]);
+      found.indices.insert(found.indices.end(), within.begin(), within.end());
+      found_of.push_back(order_[k]);
+      found.offsets.push_back(static_cast<std::uint32_t>(found.indices.size()));
+    }
   }
-  std::partial_sum(result.offsets.begin(), result.offsets.end(), result.offsets.begin());
-  result.indices.resize(in_morton_order.size());
-  for (std::size_t i = 0; i < order_.size(); ++i) {
-    const auto out = result.indices.begin() + result.offsets[i];
-    const auto count = result.offsets[i + 1] - result.offsets[i];
-    std::copy_n(in_morton_order.begin() + static_cast<std::ptrdiff_t>(starts[i]), count, out);
-    std::sort(out, out + count);
-  }
-  return result;
+  return ascending(found, found_of);
 }
 
 }  // namespace graspd::perception

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 
+#include "check_request.hpp"
 #include "graspd/perception/displacement.hpp"
 #include "graspd/perception/grasp_planning.hpp"
 #include "graspd/perception/grs.hpp"
+#include "graspd/perception/organised.hpp"
 #include "graspd/perception/outline.hpp"
 #include "graspd/perception/preprocess.hpp"
 #include "graspd/perception/registration.hpp"
@@ -44,34 +47,6 @@ Parameters effective(const PlanOptions& options, Parameters parameters) {
     parameters.grasp.max_grasps_n = static_cast<int>(options.max_grasps_n);
   }
   return parameters;
-}
-
-/// What this version does not have is refused, not silently replaced.
-Result<void> check_available(const PlanRequest& request, const Parameters& parameters) {
-  if (parameters.grs.p_system == PSystem::kSupport) {
-    return invalid("options.p_system: 'support' is not in this version; use count");
-  }
-  if (request.gripper.kind == GripperKind::kSuction) {
-    return invalid("gripper.kind: 'suction' is not in this version; use parallel_jaw");
-  }
-  return {};
-}
-
-using PartList = std::vector<const parts::Part*>;
-
-Result<PartList> find_parts(const PlanRequest& request, const parts::Catalogue& catalogue) {
-  PartList found;
-  for (const RequestedPart& requested : request.parts) {
-    const parts::Part* part = catalogue.find(requested.id);
-    if (part == nullptr) {
-      std::vector<std::string> known;
-      for (const auto& candidate : catalogue.parts()) known.push_back(candidate.id);
-      return fail(Code::kUnknownPart, "parts: no part '{}' in the catalogue; it has: {}",
-                  requested.id, fmt::join(known, ", "));
-    }
-    found.push_back(part);
-  }
-  return found;
 }
 
 double largest_diameter_m(const PartList& parts) {
@@ -134,27 +109,13 @@ std::vector<Object> objects_from(const std::vector<LastObject>& standing, const 
   return objects;
 }
 
-Result<void> check_last_plan(const PlanRequest& request, const parts::Catalogue& catalogue) {
-  if (!request.last_plan) return {};
-  for (const LastObject& object : request.last_plan->objects) {
-    if (catalogue.find(object.part_id) == nullptr) {
-      return fail(Code::kUnknownPart,
-                  "last_plan: object {} is of part '{}', which is not in the "
-                  "catalogue",
-                  object.id, object.part_id);
-    }
+tl::unexpected<Error> too_late(const std::vector<StageTiming>& timings) {
+  std::vector<std::string> stages;
+  for (const auto& [stage, duration_ns] : timings) {
+    stages.push_back(fmt::format("{} {:.1f} ms", stage, static_cast<double>(duration_ns) * 1e-6));
   }
-  return {};
-}
-
-/// Everything that can be wrong with a call. \returns the requested parts.
-Result<PartList> check(const DepthFrame& frame, const PlanRequest& request,
-                       const parts::Catalogue& catalogue, const Parameters& parameters) {
-  if (auto ok = validate(frame); !ok) return tl::unexpected(ok.error());
-  if (auto ok = validate(request); !ok) return tl::unexpected(ok.error());
-  if (auto ok = check_available(request, parameters); !ok) return tl::unexpected(ok.error());
-  if (auto ok = check_last_plan(request, catalogue); !ok) return tl::unexpected(ok.error());
-  return find_parts(request, catalogue);
+  return fail(Code::kDeadlineExceeded, "the request's budget ended while it was computed ({})",
+              fmt::join(stages, ", "));
 }
 
 PlanAnswer finished(PlanAnswer& answer, Outcome outcome, std::string reason) {
@@ -177,11 +138,11 @@ std::optional<std::vector<LastObject>> standing_objects(const PlanRequest& reque
 std::vector<Object> register_objects(const DepthFrame& frame, const PlanRequest& request,
                                      const Scene& scene, const std::vector<Indices>& segments,
                                      const PartList& parts, const Parameters& parameters,
-                                     Funnel& funnel) {
+                                     const IsLate& is_late, Funnel& funnel) {
   const RegistrationResult registered =
       parameters.registration.method == Registration::kVerified
-          ? register_verified(frame, scene, segments, parts, parameters)
-          : register_segments(frame, scene, segments, parts, parameters.registration);
+          ? register_verified(frame, scene, segments, parts, parameters, is_late)
+          : register_segments(frame, scene, segments, parts, parameters.registration, is_late);
   funnel.hypotheses_n = registered.hypotheses_n;
   funnel.rejected_score_n = registered.rejected_score_n;
   return objects_from(registered, request.T_base_camera);
@@ -264,17 +225,21 @@ PlanAnswer concluded(PlanAnswer& answer, const PlanOptions& options, bool is_unc
 }  // namespace
 
 Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
-                        const parts::Catalogue& catalogue, const Parameters& server_parameters) {
+                        const parts::Catalogue& catalogue, const Parameters& server_parameters,
+                        const IsLate& is_late) {
   const Parameters parameters = effective(request.options, server_parameters);
-  const auto parts = check(frame, request, catalogue, parameters);
+  const auto parts = check_request(frame, request, catalogue, parameters);
   if (!parts) return tl::unexpected(parts.error());
   PlanAnswer answer;
   StageClock clock(answer.timings);
 
-  const Scene scene = preprocess(frame, request, largest_diameter_m(*parts), parameters.preprocess);
+  Scene scene = prepare_scene(frame, request, largest_diameter_m(*parts), parameters);
   answer.funnel = scene.funnel;
   answer.fill_level = scene.fill_level;
   answer.warnings = scene.warnings;
+  std::ranges::move(too_small_parts(*parts, frame.camera, scene.T_camera_floor.translation().norm(),
+                                    parameters.registration.min_explained_px),
+                    std::back_inserter(answer.warnings));
   clock.finished("preprocess");
   if (scene.funnel.after_passthrough_n == 0) {
     return finished(answer, Outcome::kBinNotFound,
@@ -283,9 +248,11 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
                                 scene.funnel.readings_n));
   }
 
+  if (is_late()) return too_late(answer.timings);
   const std::vector<Indices> segments =
       segment(scene.cloud, *parts, parameters.preprocess, parameters.segmentation);
   answer.funnel.segments_n = static_cast<std::uint32_t>(segments.size());
+  if (scene.grid) drop_islands_without_segments(segments, scene);
   clock.finished("segmentation");
   if (segments.empty()) {
     return finished(answer, Outcome::kBinEmpty,
@@ -293,14 +260,16 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
                                 scene.funnel.after_plane_n));
   }
 
+  if (is_late()) return too_late(answer.timings);
   const auto standing = standing_objects(request, scene.cloud, segments, parameters);
   clock.finished("displacement");
   answer.objects = standing ? objects_from(*standing, frame, request.T_base_camera, catalogue,
                                            parameters.registration.inlier_tolerance_m)
                             : register_objects(frame, request, scene, segments, *parts, parameters,
-                                               answer.funnel);
+                                               is_late, answer.funnel);
   answer.funnel.registered_n = static_cast<std::uint32_t>(answer.objects.size());
   clock.finished("registration");
+  if (is_late()) return too_late(answer.timings);
   if (answer.objects.empty()) {
     return finished(answer, Outcome::kNoneRegistered,
                     fmt::format("{} segments, but the frame supports none of {} hypotheses by the "

@@ -8,15 +8,18 @@ namespace graspd::perception {
 namespace {
 
 constexpr std::size_t kAllPoints = 1U << 30U;
-constexpr std::size_t kSearchPoints = 400;
+constexpr std::size_t kSearchPoints = 192;
 constexpr float kFirstStep_m = 0.003F;
 constexpr float kLastStep_m = 0.0006F;
-constexpr int kMaxSteps = 8;
+constexpr int kMaxSteps = 6;
 constexpr int kFinalIcpSteps = 3;
 constexpr double kIcpDamping = 0.02;  ///< of the number of points
 /// A normal that agrees counts fully, one that is off by 60° only as half: normals of the image are
 /// off by 10° to 20°.
 constexpr float kNormalWeight = 0.5F;
+/// Half of a point's weight ends at half of the tolerance: of two poses that a sparse image
+/// supports alike, the closer one is right.
+constexpr float kSmallError2 = 4;
 constexpr float kAgreeingCosine = 0.9F;
 constexpr float kOpposingCosine = 0.5F;
 
@@ -27,6 +30,16 @@ KernelPose for_kernel(const PoseHypothesis& pose) {
     result.t_m[i] = pose.t_m[i];
   }
   return result;
+}
+
+PointSpan span_of(const parts::PointArrays& points, std::size_t first, std::size_t count) {
+  return {points.x_m.data() + first, points.y_m.data() + first, points.z_m.data() + first, count};
+}
+
+/// The leading points of a view.
+PointSpan seen_points(const parts::Part& part, const parts::View& seen, std::size_t most) {
+  return span_of(part.registration.points(), seen.first,
+                 std::min<std::size_t>(most, seen.points_n));
 }
 
 /// Turns the pose about a point of the camera frame.
@@ -50,39 +63,35 @@ Eigen::Vector3f PoseVerifier::barycentre_m(const PoseHypothesis& pose) const {
   return pose.in_camera(part(pose).barycentre_m.cast<float>());
 }
 
-float PoseVerifier::score_of(const PoseCounts& counts, float support,
-                             const parts::View& seen) const {
-  const auto refuted = static_cast<float>(parameters_.refuted_weight * counts.refute_n);
-  return (support - refuted) / static_cast<float>(std::max(1, counts.tested_n)) * seen.area_share;
+void PoseVerifier::set_score(PoseHypothesis& pose, float support) const {
+  const auto refuted = static_cast<float>(parameters_.refuted_weight * pose.counts.refute_n);
+  pose.fit = (support - refuted) / static_cast<float>(std::max(1, pose.counts.tested_n));
+  pose.score = pose.fit * view(pose).area_share;
 }
 
 bool PoseVerifier::score(PoseHypothesis& pose, std::size_t points_n, double tolerance_m,
                          const EarlyStop& stop) const {
-  const parts::PointArrays& all = part(pose).registration.points();
-  const parts::View& seen = view(pose);
-  const PointSpan points{all.x_m.data() + seen.first, all.y_m.data() + seen.first,
-                         all.z_m.data() + seen.first,
-                         std::min<std::size_t>(points_n, seen.points_n)};
+  const PointSpan points = seen_points(part(pose), view(pose), points_n);
   pose.counts = count_evidence(grid_.for_kernel(), for_kernel(pose), points,
                                static_cast<float>(tolerance_m), stop);
   if (static_cast<std::size_t>(pose.counts.tested_n) < points.size) return false;
   // Each supporting point counts 1 − (error / tolerance)².
   const auto tolerance = static_cast<float>(tolerance_m) / PackedDepth::kUnit_m;
-  const float support = static_cast<float>(pose.counts.support_n) -
-                        static_cast<float>(pose.counts.error2_sum) / (tolerance * tolerance);
-  pose.score = score_of(pose.counts, support, seen);
+  set_score(pose, static_cast<float>(pose.counts.support_n) -
+                      static_cast<float>(pose.counts.error2_sum) / (tolerance * tolerance));
   return true;
 }
 
 void PoseVerifier::score_finally(PoseHypothesis& pose) const {
   score(pose, kAllPoints, parameters_.inlier_tolerance_m);
+  const float fit = pose.fit;
   const parts::PointArrays& points = part(pose).registration.points();
   const parts::View& seen = view(pose);
   float support = 0;
   for (std::uint32_t i = seen.first; i < seen.first + seen.points_n; ++i) {
     const Eigen::Vector3f p_m = pose.in_camera(points.position_m(i));
     const std::size_t cell = grid_.cell_of(p_m);
-    if (cell >= grid_.z_m.size() || !grid_.is_open(cell)) continue;
+    if (cell >= grid_.z_m.size() || !grid_.can_support(cell)) continue;
     const float error =
         (grid_.z_m[cell] - p_m.z()) / static_cast<float>(parameters_.inlier_tolerance_m);
     if (std::abs(error) > 1) continue;
@@ -90,20 +99,28 @@ void PoseVerifier::score_finally(PoseHypothesis& pose) const {
         grid_.normals[cell].isZero() ? 1 : grid_.normals[cell].dot(pose.R * points.normal(i));
     const float agreement =
         std::clamp((cosine - kOpposingCosine) / (kAgreeingCosine - kOpposingCosine), 0.0F, 1.0F);
-    support += (1 - error * error) * (1 - kNormalWeight * (1 - agreement));
+    const float error2 = error * error;
+    const float closeness = (1 - error2 + std::max(0.0F, 1 - kSmallError2 * error2)) / 2;
+    support += closeness * (1 - kNormalWeight * (1 - agreement));
   }
-  const bool goes_on = leftover_share(pose) > static_cast<float>(parameters_.max_leftover_share);
-  const bool is_seen =
-      pose.counts.support_n >= parameters_.min_visible_share * pose.counts.tested_n;
-  pose.score = is_seen && !goes_on ? score_of(pose.counts, support, seen) : 0;
+  set_score(pose, support);
+  pose.fit = fit;
+  if (!is_allowed(pose)) pose.score = 0;
+}
+
+bool PoseVerifier::is_allowed(const PoseHypothesis& pose) const {
+  const float pixel_m = pose.t_m.z() / grid_.fx_px;
+  return pose.fit >= static_cast<float>(parameters_.min_verified_score) &&
+         explained_area_m2(pose) >=
+             static_cast<float>(parameters_.min_explained_px) * pixel_m * pixel_m &&
+         pose.counts.support_n >= parameters_.min_visible_share * pose.counts.tested_n &&
+         leftover_share(pose) <= static_cast<float>(parameters_.max_leftover_share);
 }
 
 float PoseVerifier::leftover_share(const PoseHypothesis& pose) const {
-  const parts::PointArrays& beyond = part(pose).registration.beyond();
   const parts::View& seen = view(pose);
-  const PointSpan points{beyond.x_m.data() + seen.beyond_first,
-                         beyond.y_m.data() + seen.beyond_first,
-                         beyond.z_m.data() + seen.beyond_first, seen.beyond_n};
+  const PointSpan points =
+      span_of(part(pose).registration.beyond(), seen.beyond_first, seen.beyond_n);
   const PoseCounts counts = count_evidence(grid_.for_kernel(), for_kernel(pose), points,
                                            static_cast<float>(parameters_.inlier_tolerance_m));
   return static_cast<float>(counts.support_n) / static_cast<float>(std::max(1, counts.tested_n));
@@ -111,36 +128,26 @@ float PoseVerifier::leftover_share(const PoseHypothesis& pose) const {
 
 void PoseVerifier::icp_step(PoseHypothesis& pose, std::size_t points_n, double tolerance_m) const {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
-  const parts::PointArrays& points = part(pose).registration.points();
+  const parts::PointArrays& all = part(pose).registration.points();
   const parts::View& seen = view(pose);
+  const SurfaceSpan surface{seen_points(part(pose), seen, points_n), all.nx.data() + seen.first,
+                            all.ny.data() + seen.first, all.nz.data() + seen.first};
   const Eigen::Vector3f centre_m = barycentre_m(pose);
   // Turns in units of the part's radius: all six unknowns are alike in size.
   const auto radius_m = static_cast<float>(part(pose).diameter_m / 2);
-  const auto tolerance = static_cast<float>(tolerance_m);
-  Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
-  Vector6 b = Vector6::Zero();
-  int count = 0;
-  const auto last = seen.first + std::min<std::size_t>(points_n, seen.points_n);
-  for (std::size_t i = seen.first; i < last; ++i) {
-    const Eigen::Vector3f p_m = pose.in_camera(points.position_m(i));
-    const std::size_t cell = grid_.cell_of(p_m);
-    if (cell >= grid_.z_m.size() || !grid_.is_open(cell)) continue;
-    const float z_m = grid_.z_m[cell];
-    if (std::abs(z_m - p_m.z()) > tolerance) continue;
-    const Eigen::Vector3f normal = pose.R * points.normal(i);
-    const float distance_m =
-        normal.dot(p_m) * (z_m / p_m.z() - 1);  // of the reading from the plane
-    const float relative = distance_m / tolerance;
-    const float weight = (1 - relative * relative) * (1 - relative * relative);
-    Vector6 J;
-    J << ((p_m - centre_m) / radius_m).cross(normal).cast<double>(), normal.cast<double>();
-    A.noalias() += static_cast<double>(weight) * J * J.transpose();
-    b += static_cast<double>(weight * distance_m) * J;
-    ++count;
+  const NormalEquations equations = icp_equations(
+      grid_.for_kernel(), for_kernel(pose), surface,
+      {{centre_m.x(), centre_m.y(), centre_m.z()}, radius_m}, static_cast<float>(tolerance_m));
+  if (equations.points_n < 6) return;
+  Eigen::Matrix<double, 6, 6> A;
+  for (int row = 0, k = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      A(row, column) = A(column, row) = static_cast<double>(equations.A[k++]);
+    }
   }
-  if (count < 6) return;
-  A.diagonal().array() += kIcpDamping * count;
-  const Vector6 step = A.ldlt().solve(b);
+  A.diagonal().array() += kIcpDamping * equations.points_n;
+  const Vector6 step =
+      A.ldlt().solve(Eigen::Map<const Eigen::Matrix<float, 6, 1>>(equations.b).cast<double>());
   const Eigen::Vector3f rotation = (step.head<3>() / static_cast<double>(radius_m)).cast<float>();
   const float angle_rad = rotation.norm();
   if (angle_rad > 1e-9F) {
@@ -199,6 +206,7 @@ std::vector<std::size_t> PoseVerifier::explained_cells(const PoseHypothesis& pos
   const parts::PointArrays& points = part(pose).registration.points();
   const parts::View& seen = view(pose);
   const auto stride = static_cast<std::size_t>(grid_.width_px);
+  std::vector<bool> is_known(grid_.size(), false);
   std::vector<std::size_t> cells;
   for (std::uint32_t i = seen.first; i < seen.first + seen.points_n; ++i) {
     const Eigen::Vector3f p_m = pose.in_camera(points.position_m(i));
@@ -208,11 +216,11 @@ std::vector<std::size_t> PoseVerifier::explained_cells(const PoseHypothesis& pos
     for (const std::size_t near : {cell, cell - 1, cell + 1, cell - stride, cell + stride}) {
       const bool explained = grid_.is_open(near) &&
                              std::abs(grid_.z_m[near] - p_m.z()) <= static_cast<float>(tolerance_m);
-      if (explained) cells.push_back(near);
+      if (!explained || is_known[near]) continue;
+      is_known[near] = true;
+      cells.push_back(near);
     }
   }
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return cells;
 }
 

@@ -14,55 +14,81 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kBlock = 16;
 
+using DF = hn::CappedTag<float, kBlock>;
+using DI = hn::RebindToSigned<DF>;
+using VF = hn::Vec<DF>;
+using VI = hn::Vec<DI>;
+constexpr DF df;
+constexpr DI di;
+
+struct Vector3 {
+  VF x, y, z;
+};
+
+HWY_INLINE Vector3 rotate(const KernelPose& pose, const Vector3& p) {
+  const auto row = [&](int i) {
+    return hn::MulAdd(hn::Set(df, pose.R[3 * i]), p.x,
+                      hn::MulAdd(hn::Set(df, pose.R[3 * i + 1]), p.y,
+                                 hn::Mul(hn::Set(df, pose.R[3 * i + 2]), p.z)));
+  };
+  return {row(0), row(1), row(2)};
+}
+
+HWY_INLINE Vector3 load(const float* x, const float* y, const float* z, std::size_t i) {
+  return {hn::LoadU(df, x + i), hn::LoadU(df, y + i), hn::LoadU(df, z + i)};
+}
+
+HWY_INLINE Vector3 in_camera(const KernelPose& pose, const PointSpan& points, std::size_t i) {
+  const Vector3 p = rotate(pose, load(points.x_m, points.y_m, points.z_m, i));
+  return {hn::Add(p.x, hn::Set(df, pose.t_m[0])), hn::Add(p.y, hn::Set(df, pose.t_m[1])),
+          hn::Add(p.z, hn::Set(df, pose.t_m[2]))};
+}
+
+/// The packed cells that points project to; 0 beyond the image. \param inverse_z of the points.
+HWY_INLINE VI cells_of(const PackedDepth& depth, const Vector3& p, VF inverse_z) {
+  const auto u = hn::NearestInt(
+      hn::MulAdd(hn::Mul(p.x, inverse_z), hn::Set(df, depth.fx_px), hn::Set(df, depth.cx_px)));
+  const auto v = hn::NearestInt(
+      hn::MulAdd(hn::Mul(p.y, inverse_z), hn::Set(df, depth.fy_px), hn::Set(df, depth.cy_px)));
+  const auto minus_one = hn::Set(di, -1);
+  const auto inside =
+      hn::And(hn::And(hn::Gt(u, minus_one), hn::Lt(u, hn::Set(di, depth.width_px))),
+              hn::And(hn::Gt(v, minus_one), hn::Lt(v, hn::Set(di, depth.height_px))));
+  const auto index = hn::IfThenElseZero(
+      inside, hn::Add(hn::Mul(v, hn::Set(di, depth.width_px)), u));  // cell 0 holds nothing
+  return hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(depth.cells), index);
+}
+
+HWY_INLINE VI low_half(VI packed) { return hn::And(packed, hn::Set(di, 0xFFFF)); }
+HWY_INLINE VI high_half(VI packed) {
+  return hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<DI>(), packed)));
+}
+
 PoseCounts count_evidence(const PackedDepth& depth, const KernelPose& pose, const PointSpan& points,
                           float tolerance_m, const EarlyStop& stop) {
-  const hn::CappedTag<float, kBlock> df;
-  const hn::RebindToSigned<decltype(df)> di;
-  const std::size_t lanes = hn::Lanes(df);
-  const auto* cells = reinterpret_cast<const std::int32_t*>(depth.cells);
-  const auto row = [&](int i, auto x, auto y, auto z) {
-    return hn::MulAdd(
-        hn::Set(df, pose.R[3 * i]), x,
-        hn::MulAdd(hn::Set(df, pose.R[3 * i + 1]), y,
-                   hn::MulAdd(hn::Set(df, pose.R[3 * i + 2]), z, hn::Set(df, pose.t_m[i]))));
-  };
   const auto tolerance = hn::Set(df, tolerance_m / PackedDepth::kUnit_m);
   const auto zero = hn::Zero(di);
-  const auto minus_one = hn::Set(di, -1);
+  const auto count = [](auto mask) { return static_cast<std::int32_t>(hn::CountTrue(df, mask)); };
   PoseCounts counts;
   auto error2_sum = hn::Zero(di);
   for (std::size_t block = 0; block < points.size; block += kBlock) {
     const std::size_t end = std::min(points.size, block + kBlock);
-    for (std::size_t i = block; i < end; i += lanes) {
-      const auto x = hn::LoadU(df, points.x_m + i);
-      const auto y = hn::LoadU(df, points.y_m + i);
-      const auto z = hn::LoadU(df, points.z_m + i);
-      const auto pz = row(2, x, y, z);
-      const auto inverse = hn::Div(hn::Set(df, 1.0F), pz);
-      const auto u = hn::NearestInt(hn::MulAdd(hn::Mul(row(0, x, y, z), inverse),
-                                               hn::Set(df, depth.fx_px), hn::Set(df, depth.cx_px)));
-      const auto v = hn::NearestInt(hn::MulAdd(hn::Mul(row(1, x, y, z), inverse),
-                                               hn::Set(df, depth.fy_px), hn::Set(df, depth.cy_px)));
-      const auto inside =
-          hn::And(hn::And(hn::Gt(u, minus_one), hn::Lt(u, hn::Set(di, depth.width_px))),
-                  hn::And(hn::Gt(v, minus_one), hn::Lt(v, hn::Set(di, depth.height_px))));
-      const auto index = hn::IfThenElseZero(
-          inside, hn::Add(hn::Mul(v, hn::Set(di, depth.width_px)), u));  // cell 0 holds nothing
-      const auto packed = hn::GatherIndex(di, cells, index);
-      const auto reading = hn::And(packed, hn::Set(di, 0xFFFF));
-      const auto nearest = hn::BitCast(
-          di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<decltype(di)>(), packed)));
-      const auto expected = hn::Mul(pz, hn::Set(df, 1 / PackedDepth::kUnit_m));
+    for (std::size_t i = block; i < end; i += hn::Lanes(df)) {
+      const Vector3 p = in_camera(pose, points, i);
+      const auto packed = cells_of(depth, p, hn::Div(hn::Set(df, 1.0F), p.z));
+      const auto reading = low_half(packed);
+      const auto nearest = high_half(packed);
+      const auto expected = hn::Mul(p.z, hn::Set(df, 1 / PackedDepth::kUnit_m));
       const auto error = hn::Sub(hn::ConvertTo(df, reading), expected);
       const auto nearest_error = hn::Sub(hn::ConvertTo(df, nearest), expected);
-      const auto valid =
-          hn::And(hn::RebindMask(df, hn::Gt(reading, zero)), hn::FirstN(df, end - i));
+      const auto is_point = hn::FirstN(df, end - i);
+      const auto valid = hn::And(hn::RebindMask(df, hn::Gt(reading, zero)), is_point);
       const auto supports = hn::And(valid, hn::Le(hn::Abs(error), tolerance));
-      const auto refutes = hn::And(valid, hn::Gt(nearest_error, tolerance));
-      const auto hides = hn::And(valid, hn::Lt(error, hn::Neg(tolerance)));
-      counts.support_n += static_cast<std::int32_t>(hn::CountTrue(df, supports));
-      counts.refute_n += static_cast<std::int32_t>(hn::CountTrue(df, refutes));
-      counts.hidden_n += static_cast<std::int32_t>(hn::CountTrue(df, hides));
+      const auto refutes = hn::And(hn::And(hn::RebindMask(df, hn::Gt(nearest, zero)), is_point),
+                                   hn::Gt(nearest_error, tolerance));
+      counts.support_n += count(supports);
+      counts.refute_n += count(refutes);
+      counts.hidden_n += count(hn::And(valid, hn::Lt(error, hn::Neg(tolerance))));
       const auto whole_error = hn::NearestInt(hn::IfThenElseZero(supports, error));
       error2_sum = hn::Add(error2_sum, hn::Mul(whole_error, whole_error));
     }
@@ -76,6 +102,58 @@ PoseCounts count_evidence(const PackedDepth& depth, const KernelPose& pose, cons
   return counts;
 }
 
+NormalEquations icp_equations(const PackedDepth& depth, const KernelPose& pose,
+                              const SurfaceSpan& surface, const TurnCentre& about,
+                              float tolerance_m) {
+  const auto tolerance = hn::Set(df, tolerance_m);
+  const auto one = hn::Set(df, 1.0F);
+  const auto zero = hn::Zero(df);
+  const auto lever = [&](VF p, int axis) {
+    return hn::Mul(hn::Sub(p, hn::Set(df, about.centre_m[axis])), hn::Set(df, 1 / about.radius_m));
+  };
+  VF A[21], b[6];
+  for (VF& sum : A) sum = zero;
+  for (VF& sum : b) sum = zero;
+  NormalEquations equations;
+  for (std::size_t i = 0; i < surface.points.size; i += hn::Lanes(df)) {
+    const Vector3 p = in_camera(pose, surface.points, i);
+    const auto inverse_z = hn::Div(one, p.z);
+    const auto reading = low_half(cells_of(depth, p, inverse_z));
+    const auto error_m =
+        hn::Sub(hn::Mul(hn::ConvertTo(df, reading), hn::Set(df, PackedDepth::kUnit_m)), p.z);
+    const auto is_there = hn::RebindMask(df, hn::Gt(reading, hn::Zero(di)));
+    const auto valid = hn::And(hn::And(is_there, hn::FirstN(df, surface.points.size - i)),
+                               hn::Le(hn::Abs(error_m), tolerance));
+    equations.points_n += static_cast<std::int32_t>(hn::CountTrue(df, valid));
+
+    const Vector3 n = rotate(pose, load(surface.nx, surface.ny, surface.nz, i));
+    const auto along = hn::MulAdd(n.x, p.x, hn::MulAdd(n.y, p.y, hn::Mul(n.z, p.z)));
+    const auto distance_m = hn::Mul(along, hn::Mul(error_m, inverse_z));  // reading to plane
+    const auto relative = hn::Mul(distance_m, hn::Set(df, 1 / tolerance_m));
+    const auto root = hn::Max(zero, hn::NegMulAdd(relative, relative, one));
+    const auto weight = hn::IfThenElseZero(valid, hn::Mul(root, root));
+    const auto x = lever(p.x, 0);
+    const auto y = lever(p.y, 1);
+    const auto z = lever(p.z, 2);
+    const VF J[6] = {hn::MulSub(y, n.z, hn::Mul(z, n.y)),
+                     hn::MulSub(z, n.x, hn::Mul(x, n.z)),
+                     hn::MulSub(x, n.y, hn::Mul(y, n.x)),
+                     n.x,
+                     n.y,
+                     n.z};
+    for (int row = 0, k = 0; row < 6; ++row) {
+      const auto weighted = hn::Mul(weight, J[row]);
+      for (int column = row; column < 6; ++column, ++k) {
+        A[k] = hn::MulAdd(weighted, J[column], A[k]);
+      }
+      b[row] = hn::MulAdd(weighted, distance_m, b[row]);
+    }
+  }
+  for (int k = 0; k < 21; ++k) equations.A[k] = hn::GetLane(hn::SumOfLanes(df, A[k]));
+  for (int k = 0; k < 6; ++k) equations.b[k] = hn::GetLane(hn::SumOfLanes(df, b[k]));
+  return equations;
+}
+
 }  // namespace graspd::perception::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -85,6 +163,12 @@ HWY_EXPORT(count_evidence);
 PoseCounts count_evidence(const PackedDepth& depth, const KernelPose& pose, const PointSpan& points,
                           float tolerance_m, const EarlyStop& stop) {
   return HWY_DYNAMIC_DISPATCH(count_evidence)(depth, pose, points, tolerance_m, stop);
+}
+HWY_EXPORT(icp_equations);
+NormalEquations icp_equations(const PackedDepth& depth, const KernelPose& pose,
+                              const SurfaceSpan& surface, const TurnCentre& about,
+                              float tolerance_m) {
+  return HWY_DYNAMIC_DISPATCH(icp_equations)(depth, pose, surface, about, tolerance_m);
 }
 }  // namespace graspd::perception
 #endif

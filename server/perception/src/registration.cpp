@@ -100,11 +100,13 @@ RegistrationMethod registration_method(Registration name, std::span<const parts:
 RegistrationResult register_segments(const DepthFrame& frame, const Scene& scene,
                                      std::span<const Indices> segments,
                                      std::span<const parts::Part* const> parts,
-                                     const RegistrationParameters& parameters) {
+                                     const RegistrationParameters& parameters,
+                                     const IsLate& is_late) {
   const RegistrationMethod method = registration_method(parameters.method, parts, parameters);
   // Each segment has its own slot, so the threads' order does not show in the answer.
   std::vector<SegmentResult> found(segments.size());
   tbb::parallel_for(std::size_t{0}, segments.size(), [&](std::size_t i) {
+    if (is_late()) return;
     found[i] = register_segment(frame, subset(scene.cloud, segments[i]), parts, method,
                                 parameters.inlier_tolerance_m);
   });

@@ -5,14 +5,19 @@
 #include <pcl/segmentation/region_growing.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "graspd/perception/dbscan.hpp"
+#include "graspd/perception/grid_dbscan.hpp"
 #include "pcl_cloud.hpp"
 
 namespace graspd::perception {
 namespace {
+
+/// Where Eps spans more pixels, as next to the lens, a tree is the faster way to the same clusters.
+constexpr double kWidestWindow_px = 32;
 
 std::vector<Indices> from_pcl(const std::vector<pcl::PointIndices>& clusters) {
   std::vector<Indices> result;
@@ -42,9 +47,26 @@ Neighbourhoods kdtree_neighbourhoods(const Cloud& cloud, double radius_m) {
   return result;
 }
 
-/// One point for each voxel of the half of its surface that a part shows at the most.
-double points_shown(const parts::Part& part, const PreprocessParameters& preprocess) {
-  return part.surface_area_m2 / 2 / (preprocess.voxel_m * preprocess.voxel_m);
+/// The side of a pixel of an organised cloud, at its points' mean depth.
+double pixel_m(const Cloud& cloud) {
+  double z_sum_m = 0;
+  for (const auto& p : cloud.points_m) z_sum_m += static_cast<double>(p.z());
+  const double f_px = std::sqrt(static_cast<double>(cloud.pixels.fx_px * cloud.pixels.fy_px));
+  return z_sum_m / static_cast<double>(cloud.size()) / f_px;
+}
+
+/// To either side of the nearest point, what may be within Eps.
+double widest_window_px(const Cloud& cloud, double eps_m) {
+  double nearest_m = std::numeric_limits<double>::max();
+  for (const auto& p : cloud.points_m) nearest_m = std::min(nearest_m, static_cast<double>(p.z()));
+  const double f_px = static_cast<double>(std::max(cloud.pixels.fx_px, cloud.pixels.fy_px));
+  return nearest_m > eps_m ? eps_m / (nearest_m - eps_m) * f_px
+                           : std::numeric_limits<double>::max();
+}
+
+/// One point for each pixel or voxel of the half of its surface that a part shows at the most.
+double points_shown(const parts::Part& part, double point_spacing_m) {
+  return part.surface_area_m2 / 2 / (point_spacing_m * point_spacing_m);
 }
 
 }  // namespace
@@ -54,6 +76,21 @@ std::vector<Indices> improved_dbscan(const Cloud& cloud, const SegmentationParam
   const Neighbourhoods neighbourhoods = octree.neighbourhoods(static_cast<float>(parameters.eps_m));
   DbscanResult result = dbscan(cloud, neighbourhoods, parameters.min_points_n);
   merge_at_borders(cloud, neighbourhoods, parameters.smoothness_rad, parameters.curvature, result);
+  return clusters_of(result);
+}
+
+std::vector<Indices> grid_dbscan(const Cloud& cloud, const SegmentationParameters& parameters) {
+  if (!cloud.is_organised()) return improved_dbscan(cloud, parameters);
+  const double eps_m = parameters.grid_eps_px * pixel_m(cloud);
+  if (widest_window_px(cloud, eps_m) > kWidestWindow_px) {
+    SegmentationParameters with = parameters;
+    with.eps_m = eps_m;
+    with.min_points_n = parameters.grid_min_points_n;
+    return improved_dbscan(cloud, with);
+  }
+  const GridDbscan grid(cloud, static_cast<float>(eps_m), parameters.grid_min_points_n);
+  DbscanResult result = grid.cluster();
+  grid.merge_at_borders(parameters.smoothness_rad, parameters.curvature, result);
   return clusters_of(result);
 }
 
@@ -104,6 +141,8 @@ SegmentationMethod segmentation_method(Segmentation name) {
       return euclidean_clusters;
     case Segmentation::kRegionGrowing:
       return region_growing;
+    case Segmentation::kGridDbscan:
+      return grid_dbscan;
     case Segmentation::kServerDefault:
       break;
   }
@@ -113,8 +152,9 @@ SegmentationMethod segmentation_method(Segmentation name) {
 std::vector<Indices> segment(const Cloud& cloud, std::span<const parts::Part* const> parts,
                              const PreprocessParameters& preprocess,
                              const SegmentationParameters& parameters) {
+  const double spacing_m = cloud.is_organised() ? pixel_m(cloud) : preprocess.voxel_m;
   double fewest = std::numeric_limits<double>::max();
-  for (const parts::Part* part : parts) fewest = std::min(fewest, points_shown(*part, preprocess));
+  for (const parts::Part* part : parts) fewest = std::min(fewest, points_shown(*part, spacing_m));
   std::vector<Indices> segments = segmentation_method(parameters.method)(cloud, parameters);
   std::erase_if(segments, [&](const Indices& one) {
     return static_cast<double>(one.size()) < fewest * parameters.min_segment_share;

@@ -110,7 +110,8 @@ void Front::Impl::conclude(const std::string& identity, Message message) {
     log(LogLevel::kError, "{} concluded a request it did not hold", identity);
     return;
   }
-  finish(ticket, code == name_of(Code::kOk));
+  // One that ran out of time has taken at least so long.
+  finish(ticket, code == name_of(Code::kOk) || code == name_of(Code::kDeadlineExceeded));
   const Job& job = jobs_.at(ticket);
   if (!job.answered) {
     log_request(job.plan, code, detail, job.arrived, job.started);

@@ -15,28 +15,31 @@ using perception::Parameters;
 
 template <class Visitor>
 void visit(perception::PreprocessParameters& p, Visitor& section) {
-  auto& [min_depth_m, max_depth_m, voxel_m, wall_margin_m, plane_tolerance_m, plane_iterations_n,
-         plane_min_share, max_behind_plane_share, normal_neighbours_n, stray_light_share,
-         stray_light_sigma_px] = p;
+  auto& [min_depth_m, max_depth_m, voxel_m, wall_margin_m, heap_m, plane_tolerance_m,
+         plane_iterations_n, plane_min_share, max_behind_plane_share, normal_neighbours_n,
+         wall_bow_m, wall_reach_m] = p;
   section.number("min_depth_m", min_depth_m, 0, 10);
   section.number("max_depth_m", max_depth_m, 0.01, 20);
   section.number("voxel_m", voxel_m, 0, 0.1);
   section.number("wall_margin_m", wall_margin_m, 0, 0.1);
+  section.number("heap_m", heap_m, 0, 10);
   section.number("plane_tolerance_m", plane_tolerance_m, 1e-4, 0.1);
   section.number("plane_iterations_n", plane_iterations_n, 1, 100'000);
   section.number("plane_min_share", plane_min_share, 0, 1);
   section.number("max_behind_plane_share", max_behind_plane_share, 0, 1);
   section.number("normal_neighbours_n", normal_neighbours_n, 3, 1000);
-  section.number("stray_light_share", stray_light_share, 0, 1);
-  section.number("stray_light_sigma_px", stray_light_sigma_px, 1, 200);
+  section.number("wall_bow_m", wall_bow_m, -0.1, 0.1);
+  section.number("wall_reach_m", wall_reach_m, 1e-3, 1);
 }
 
 template <class Visitor>
 void visit(perception::SegmentationParameters& p, Visitor& section) {
-  auto& [method, eps_m, min_points_n, octree_depth_n, smoothness_rad, curvature,
-         euclidean_tolerance_m, region_neighbours_n, region_smoothness_rad, region_curvature,
-         min_segment_share] = p;
+  auto& [method, grid_eps_px, grid_min_points_n, eps_m, min_points_n, octree_depth_n,
+         smoothness_rad, curvature, euclidean_tolerance_m, region_neighbours_n,
+         region_smoothness_rad, region_curvature, min_segment_share] = p;
   section.choice("method", method);
+  section.number("grid_eps_px", grid_eps_px, 1, 20);
+  section.number("grid_min_points_n", grid_min_points_n, 1, 1000);
   section.number("eps_m", eps_m, 1e-4, 0.1);
   section.number("min_points_n", min_points_n, 1, 1000);
   section.number("octree_depth_n", octree_depth_n, 1, 16);
@@ -53,9 +56,9 @@ template <class Visitor>
 void visit(perception::RegistrationParameters& p, Visitor& section) {
   auto& [method, icp_iterations_n, icp_max_distance_m, inlier_tolerance_m, min_score,
          max_below_floor_m, feature_radius_m, sac_iterations_n, ndt_resolution_m, seed_spacing_m,
-         turns_n, hypotheses_per_seed_n, coarse_tolerance_m, min_coarse_score, coarse_per_place_n,
-         fine_per_place_n, refuted_weight, max_leftover_share, min_visible_share,
-         min_verified_score] = p;
+         normal_tolerance_rad, templates_per_seed_n, hypotheses_per_seed_n, coarse_tolerance_m,
+         min_coarse_score, coarse_per_place_n, fine_per_place_n, refuted_weight, max_leftover_share,
+         min_visible_share, min_verified_score, min_explained_px] = p;
   section.choice("method", method);
   section.number("icp_iterations_n", icp_iterations_n, 1, 10'000);
   section.number("icp_max_distance_m", icp_max_distance_m, 1e-4, 1);
@@ -66,7 +69,8 @@ void visit(perception::RegistrationParameters& p, Visitor& section) {
   section.number("sac_iterations_n", sac_iterations_n, 1, 1'000'000);
   section.number("ndt_resolution_m", ndt_resolution_m, 1e-3, 1);
   section.number("seed_spacing_m", seed_spacing_m, 1e-3, 1);
-  section.number("turns_n", turns_n, 1, 360);
+  section.number("normal_tolerance_rad", normal_tolerance_rad, 0, M_PI);
+  section.number("templates_per_seed_n", templates_per_seed_n, 1, 10'000);
   section.number("hypotheses_per_seed_n", hypotheses_per_seed_n, 1, 1000);
   section.number("coarse_tolerance_m", coarse_tolerance_m, 1e-4, 1);
   section.number("min_coarse_score", min_coarse_score, 0, 1);
@@ -76,6 +80,7 @@ void visit(perception::RegistrationParameters& p, Visitor& section) {
   section.number("max_leftover_share", max_leftover_share, 0, 1);
   section.number("min_visible_share", min_visible_share, 0, 1);
   section.number("min_verified_score", min_verified_score, 0, 1);
+  section.number("min_explained_px", min_explained_px, 0, 1e6);
 }
 
 template <class Visitor>

@@ -29,9 +29,9 @@ Answer refusal(const RequestId& id, Error error) {
 }
 
 Result<PlanAnswer> call(const PlanHandler& handler, const DepthFrame& frame,
-                        const PlanRequest& request) {
+                        const PlanRequest& request, SteadyClock::time_point deadline) {
   try {
-    return handler(frame, request);
+    return handler(frame, request, deadline);
   } catch (const std::bad_alloc&) {
     return fail(Code::kInternal,
                 "planning needed more memory than a worker may have (worker_memory_limit_mib)");
@@ -50,7 +50,9 @@ Answer compute(const WorkerOptions& options, const PlanHandler& handler, std::in
   if (!frame) return refusal(request->id, frame.error());
   const std::int64_t decode_ns = ns_since(start);
 
-  Result<PlanAnswer> plan = call(handler, *frame, plan_call.plan);
+  const auto arrived = start - std::chrono::nanoseconds(queue_ns);
+  const auto deadline = arrived + std::chrono::milliseconds(request->budget_ms);
+  Result<PlanAnswer> plan = call(handler, *frame, plan_call.plan, deadline);
   if (!plan) return refusal(request->id, plan.error());
   plan->server = options.server;
   plan->timings.insert(plan->timings.begin(), {{"queue", queue_ns}, {"decode", decode_ns}});

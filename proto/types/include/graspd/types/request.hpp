@@ -16,7 +16,14 @@
 /// `T_a_b` is the pose of b in a and maps b's coordinates to a's.
 namespace graspd {
 
-enum class Segmentation { kServerDefault, kImprovedDbscan, kDbscan, kEuclidean, kRegionGrowing };
+enum class Segmentation {
+  kServerDefault,
+  kImprovedDbscan,
+  kDbscan,
+  kEuclidean,
+  kRegionGrowing,
+  kGridDbscan
+};
 enum class Registration { kServerDefault, kPcaIcp, kSacIaIcp, kNdtIcp, kVerified };
 enum class GraspOrder { kServerDefault, kDescending, kAscending };
 enum class PSystem { kServerDefault, kCount, kSupport };
@@ -30,7 +37,8 @@ struct EnumNames<Segmentation> {
       {Segmentation::kImprovedDbscan, "improved_dbscan"},
       {Segmentation::kDbscan, "dbscan"},
       {Segmentation::kEuclidean, "euclidean"},
-      {Segmentation::kRegionGrowing, "region_growing"}};
+      {Segmentation::kRegionGrowing, "region_growing"},
+      {Segmentation::kGridDbscan, "grid_dbscan"}};
 };
 template <>
 struct EnumNames<Registration> {

@@ -35,8 +35,8 @@ struct KinectV2Parameters {
 
   /// [R] Multipath: light that also comes by way of a wall bends surfaces up towards it, by
   /// wall_bow_m · (1 − d / wall_reach_m)² at the distance d from the nearest wall.
-  double wall_bow_m = 0.012;
-  double wall_reach_m = 0.05;
+  double wall_bow_m = 0.0075;
+  double wall_reach_m = 0.075;
 
   double device_offset_m = 0;  ///< up to 0.024 from device to device [F]
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "graspd/parts/mesh.hpp"
+#include "graspd/parts/pose_templates.hpp"
 #include "graspd/parts/symmetries.hpp"
 
 /// What registration looks up of a part, computed once when the catalogue loads.
@@ -39,35 +40,30 @@ struct View {
 class RegistrationModel {
  public:
   RegistrationModel() = default;
-  /// \param surface dense samples of the mesh.
-  RegistrationModel(const Mesh& mesh, std::span<const SurfacePoint> surface,
-                    const Symmetries& symmetries);
+  RegistrationModel(const Mesh& mesh, const Symmetries& symmetries);
 
-  /// Of all views, one after the other. The coordinates are followed by 16 zeros, so that a kernel
-  /// may load whole vectors.
+  /// Of all views, one after the other. Positions and normals are followed by 16 zeros, so that a
+  /// kernel may load whole vectors.
   const PointArrays& points() const { return points_; }
-  /// Of all views: places just beyond the outline, as deep as the surface beside them. A reading
+  /// Of all views: places just beyond an outline, as deep as the surface beside them. A reading
   /// there says that what is seen goes on where the part ends.
   const PointArrays& beyond() const { return beyond_; }
   const std::vector<View>& views() const { return views_; }
   /// Across the line of sight, of the view that shows most.
   float largest_view_m2() const { return largest_view_m2_; }
-  /// Places where a reading may lie on the part, spread over what can be seen of it, one of each
-  /// set that the symmetries make equal.
-  const std::vector<SurfacePoint>& anchors() const { return anchors_; }
+  /// Where hypotheses come from.
+  const PoseTemplates& templates() const { return templates_; }
 
   /// The view whose direction is nearest. \param towards_camera any length but 0.
   const View& view_from(const Eigen::Vector3f& towards_camera) const;
 
  private:
   void add_views(const Mesh& mesh, double diameter_m);
-  void add_anchors(std::span<const SurfacePoint> surface, double diameter_m,
-                   const Symmetries& symmetries);
 
   PointArrays points_, beyond_;
   std::vector<View> views_;
   float largest_view_m2_ = 0;
-  std::vector<SurfacePoint> anchors_;
+  PoseTemplates templates_;
   std::vector<std::uint16_t> nearest_view_;  ///< of each cell of a cube map of directions
 };
 

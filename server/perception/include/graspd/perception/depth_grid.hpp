@@ -11,14 +11,14 @@
 
 namespace graspd::perception {
 
-/// The organised path: the part of a depth frame in which parts may lie, without lens distortion
-/// and stray light. A pinhole image, so that neighbouring cells are neighbouring rays; its
-/// outermost cells hold nothing.
+/// The part of a depth frame in which parts may lie, without lens distortion. A pinhole image, so
+/// that neighbouring cells are neighbouring rays; its outermost cells hold nothing.
 struct DepthGrid {
   int width_px = 0, height_px = 0;
   float fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
   std::vector<float> z_m;                ///< 0: no reading
   std::vector<Eigen::Vector3f> normals;  ///< towards the camera; 0 where there is none
+  std::vector<float> curvatures;         ///< as of a Cloud
   std::vector<std::uint8_t> is_part;     ///< 1 for what may be a part: neither floor nor wall
   std::vector<std::uint8_t> is_claimed;  ///< 1 for what an accepted part explains
   std::vector<std::uint32_t> packed;     ///< see PackedDepth; claimed cells hide what is behind
@@ -27,6 +27,8 @@ struct DepthGrid {
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_px) +
            static_cast<std::size_t>(u);
   }
+  std::size_t size() const { return z_m.size(); }
+  PixelGrid pixels() const { return {width_px, height_px, fx_px, fy_px, cx_px, cy_px}; }
   /// Not among the outermost cells.
   bool contains(int u, int v) const {
     return u >= 1 && v >= 1 && u < width_px - 1 && v < height_px - 1;
@@ -40,18 +42,48 @@ struct DepthGrid {
   /// Whether a reading is there that no accepted part explains.
   bool is_open(std::size_t cell) const { return z_m[cell] > 0 && is_claimed[cell] == 0; }
 
+  /// Whether that reading may be a part's.
+  bool can_support(std::size_t cell) const { return is_open(cell) && is_part[cell] != 0; }
+
+  /// What lies there is no part after all.
+  void take_for_floor(std::size_t cell);
   /// Marks cells as explained. They support and refute no other pose.
   void claim(const std::vector<std::size_t>& cells);
 };
 
-/// \param parts_cloud what lies above the floor: the grid covers it, with a margin.
+/// Cells of a pinhole image, both ends among them; none where the last is below the first.
+struct CellBox {
+  int u_first = 0, v_first = 0, u_last = -1, v_last = -1;
+};
+
+/// The cells that the points lie in, with a margin: readings there refute poses that reach beyond.
+CellBox box_around(const Cloud& cloud, const PixelGrid& image);
+
+/// The readings in range, in metres; 0 for the others. As wide and high as the frame, and distorted
+/// as it is.
+std::vector<float> readings_m(const DepthFrame& frame, const PreprocessParameters& parameters);
+
+/// The readings of a box of the undistorted image; nothing else of the grid is set yet.
+DepthGrid cut_out_readings(const CameraIntrinsics& camera, const std::vector<float>& z_m,
+                           const CellBox& box);
+
+/// The same box of a grid.
+DepthGrid cut_out_readings(const DepthGrid& image, const CellBox& box);
+
+/// By how much the sensor's smoothing must be undone, from 0 for none: from how alike the noise of
+/// neighbouring readings is. White noise says that nothing smoothed it.
+float sharpening_gain(const DepthGrid& grid);
+
+/// Unsharp masking where there are edges, by `sharpening_gain`. A smoothed edge is a ramp of
+/// readings where there is no surface, and takes a small part half of its own.
+void sharpen_edges(DepthGrid& grid);
+
+/// Everything else of the grid, from its readings.
+/// \param parts_cloud what lies above the floor.
+void complete(const Cloud& parts_cloud, DepthGrid& grid);
+
+/// All of the above.
 DepthGrid make_depth_grid(const DepthFrame& frame, const Cloud& parts_cloud,
                           const PreprocessParameters& parameters);
-
-/// Takes out the light that lens and scene scatter into each pixel from its surroundings: a
-/// reading is the mean of a pixel's own light and of `stray_light_share` of its surroundings',
-/// weighted by brightness, cos²(incidence) / z². Without it, piles look flatter than they are.
-void remove_stray_light(const PreprocessParameters& parameters, int width_px, int height_px,
-                        double f_px, std::vector<float>& z_m);
 
 }  // namespace graspd::perception

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,17 +33,20 @@ class Octree {
   void radius_search(const Eigen::Vector3f& centre_m, float radius_m,
                      std::vector<std::uint32_t>& found) const;
 
+  /// Of all points at once: each leaf looks up the leaves near it, and tests their points.
   Neighbourhoods neighbourhoods(float radius_m) const;
 
  private:
   struct Node {
-    Eigen::Vector3f centre_m;
-    float half_m;
+    Eigen::AlignedBox3f box_m;  ///< around its points, in which it may be smaller than its octant
     std::uint32_t begin, end;   ///< range in order_
     std::uint32_t first_child;  ///< in nodes_; 0 for a leaf
     std::uint32_t children_n;
   };
   void divide(std::uint32_t node, int depth, int max_depth_n, std::span<const std::uint64_t> codes);
+  /// Calls visit(leaf) for each leaf whose `distance2(its box)` is at most `radius_m`².
+  template <class Distance2, class Visit>
+  void for_leaves_within(float radius_m, Distance2 distance2, Visit visit) const;
 
   std::vector<Eigen::Vector3f> sorted_m_;
   std::vector<std::uint32_t> order_;  ///< sorted_m_[k] is the input's point order_[k]

@@ -14,17 +14,23 @@ struct PreprocessParameters {
   double max_depth_m = 4.5;
   double voxel_m = 0.002;
   double wall_margin_m = 0.005;      ///< points nearer to a bin's wall are the wall's
+  double heap_m = 0.06;              ///< parts may be heaped so far above a bin's rim
   double plane_tolerance_m = 0.006;  ///< RANSAC inlier distance
   int plane_iterations_n = 200;
   double plane_min_share = 0.1;          ///< a smaller plane is a part's face, not the floor
   double max_behind_plane_share = 0.02;  ///< nothing lies below a floor
   int normal_neighbours_n = 12;
-  double stray_light_share = 0.2;  ///< of the surroundings' light in each reading of the sensor
-  double stray_light_sigma_px = 30;
+  double wall_bow_m = 0;  ///< by which the sensor sees a floor bend up towards the bin's walls
+  double wall_reach_m = 0.075;  ///< of that bend: it falls with the square of what is left
 };
 
 struct SegmentationParameters {
-  Segmentation method = Segmentation::kImprovedDbscan;
+  Segmentation method = Segmentation::kGridDbscan;
+  /// grid_dbscan's Eps in pixels at the points' mean depth: one Eps for the whole frame, 5.5 mm at
+  /// 0.75 m. Of a flat surface that faces the camera it reaches 21 points, and MinPts is what a
+  /// straight edge of one leaves: most parts of piles and of real tables came out whole so.
+  double grid_eps_px = 2.7;
+  int grid_min_points_n = 12;
   double eps_m = 0.004;
   int min_points_n = 6;  ///< MinPts: neighbours of a core point, itself included
   int octree_depth_n = 8;
@@ -47,17 +53,19 @@ struct RegistrationParameters {
   double feature_radius_m = 0.012;
   int sac_iterations_n = 400;
   double ndt_resolution_m = 0.02;
-  double seed_spacing_m = 0.012;      ///< between the readings that hypotheses start from
-  int turns_n = 24;                   ///< about a seed's normal
-  int hypotheses_per_seed_n = 12;     ///< of each part
-  double coarse_tolerance_m = 0.008;  ///< before a hypothesis has been refined
-  double min_coarse_score = 0.1;
-  int coarse_per_place_n = 16;  ///< hypotheses with nearly the same barycentre
-  int fine_per_place_n = 6;
-  double refuted_weight = 2;         ///< of a refuting point over a supporting one
-  double max_leftover_share = 0.45;  ///< of the outline: the same surface goes on beyond it
-  double min_visible_share = 0.5;    ///< of the view's points: a reading within tolerance
-  double min_verified_score = 0.25;
+  double seed_spacing_m = 0.01;       ///< between the readings that hypotheses start from
+  double normal_tolerance_rad = 0.5;  ///< of a reading's normal to a template's
+  int templates_per_seed_n = 32;      ///< of each part, compared with the image at more points
+  int hypotheses_per_seed_n = 8;      ///< of these, placed by ICP
+  double coarse_tolerance_m = 0.01;   ///< before a hypothesis has been refined
+  double min_coarse_score = 0.2;
+  int coarse_per_place_n = 8;  ///< hypotheses with nearly the same barycentre
+  int fine_per_place_n = 4;
+  double refuted_weight = 1.5;       ///< of a refuting point over a supporting one
+  double max_leftover_share = 0.28;  ///< of the outline: the same surface goes on beyond it
+  double min_visible_share = 0.48;   ///< of the view's points: a reading within tolerance
+  double min_verified_score = 0.35;  ///< of what the view shows: explained less refuted
+  double min_explained_px = 40;
 };
 
 /// Weights of GRS(i) = (α·P_self + β·P_grasp)·P_system and of its terms.

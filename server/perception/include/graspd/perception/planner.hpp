@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graspd/parts/catalogue.hpp"
+#include "graspd/perception/is_late.hpp"
 #include "graspd/perception/parameters.hpp"
 #include "graspd/types/answer.hpp"
 #include "graspd/types/request.hpp"
@@ -14,8 +15,10 @@ namespace graspd::perception {
 /// how many threads of the caller's TBB arena work on it; only `timings` differ between calls.
 ///
 /// \returns INVALID_ARGUMENT for a frame or request that fails validation, UNKNOWN_PART for a part
-/// that the catalogue does not have. "Nothing found" is an answer, not an error.
+/// that the catalogue does not have, DEADLINE_EXCEEDED where `is_late` says so between two steps.
+/// "Nothing found" is an answer, not an error.
 Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
-                        const parts::Catalogue& catalogue, const Parameters& parameters);
+                        const parts::Catalogue& catalogue, const Parameters& parameters,
+                        const IsLate& is_late = never_late);
 
 }  // namespace graspd::perception

@@ -22,6 +22,8 @@ struct PoseHypothesis {
   /// that a pose which hides most of its part behind itself does not win by being right about the
   /// rest.
   float score = 0;
+  /// The same share of what this view shows, so that a view of little is not judged by that.
+  float fit = 0;
   PoseCounts counts;
 
   Eigen::Vector3f in_camera(const Eigen::Vector3f& p_part_m) const { return R * p_part_m + t_m; }
@@ -59,8 +61,8 @@ class PoseVerifier {
   /// From a rough pose to its final place and score.
   void refine(PoseHypothesis& pose) const;
 
-  /// As `score` of all points, with the normals' say; 0 where the surface goes on beyond most of
-  /// the outline.
+  /// As `score` of all points, with the say of normals and small errors; 0 where a rule of
+  /// `RegistrationParameters` forbids the pose.
   void score_finally(PoseHypothesis& pose) const;
 
   /// Of the outline, the share beyond which the same surface goes on.
@@ -70,7 +72,9 @@ class PoseVerifier {
   std::vector<std::size_t> explained_cells(const PoseHypothesis& pose, double tolerance_m) const;
 
  private:
-  float score_of(const PoseCounts& counts, float support, const parts::View& seen) const;
+  /// \param support of the points within tolerance, each by its weight.
+  void set_score(PoseHypothesis& pose, float support) const;
+  bool is_allowed(const PoseHypothesis& pose) const;
 
   const DepthGrid& grid_;
   std::span<const parts::Part* const> parts_;

@@ -8,8 +8,9 @@
 namespace graspd::perception {
 
 /// A depth image for the kernel. Each cell holds the reading at the pixel in its low 16 bits and
-/// the nearest reading within one pixel in its high ones, both in tenths of a millimetre, 0 where
-/// there is none. The outermost cells are 0.
+/// the nearest reading within one pixel in its high ones, both in tenths of a millimetre. The low
+/// ones are 0 where no part can be (floor, walls), both where there is no reading, as in the
+/// outermost cells.
 struct PackedDepth {
   static constexpr float kUnit_m = 1e-4F;
   const std::uint32_t* cells = nullptr;
@@ -23,9 +24,9 @@ struct KernelPose {
   float t_m[3];
 };
 
-/// Points in the part frame.
+/// Points in the part frame. Of each array 16 values beyond the last can be read.
 struct PointSpan {
-  const float *x_m, *y_m, *z_m;  ///< 16 values beyond the last can be read
+  const float *x_m, *y_m, *z_m;
   std::size_t size;
 };
 
@@ -49,5 +50,27 @@ struct EarlyStop {
 /// The counts do not depend on the vectors' width.
 PoseCounts count_evidence(const PackedDepth& depth, const KernelPose& pose, const PointSpan& points,
                           float tolerance_m, const EarlyStop& stop = {});
+
+/// Points with their normals.
+struct SurfaceSpan {
+  PointSpan points;
+  const float *nx, *ny, *nz;
+};
+
+/// Projective point-to-plane ICP's normal equations A x = b over the points with a reading within
+/// tolerance, with Tukey's weights. x: a turn about `centre_m`, times `radius_m`, then a shift, in
+/// the camera frame.
+struct NormalEquations {
+  float A[21] = {};  ///< the upper triangle, row by row
+  float b[6] = {};
+  std::int32_t points_n = 0;
+};
+struct TurnCentre {
+  float centre_m[3];
+  float radius_m;
+};
+NormalEquations icp_equations(const PackedDepth& depth, const KernelPose& pose,
+                              const SurfaceSpan& surface, const TurnCentre& about,
+                              float tolerance_m);
 
 }  // namespace graspd::perception

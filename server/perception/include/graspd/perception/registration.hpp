@@ -9,6 +9,7 @@
 #include "graspd/parts/part.hpp"
 #include "graspd/perception/cloud.hpp"
 #include "graspd/perception/evidence.hpp"
+#include "graspd/perception/is_late.hpp"
 #include "graspd/perception/parameters.hpp"
 #include "graspd/perception/preprocess.hpp"
 
@@ -60,10 +61,12 @@ struct RegistrationResult {
 /// Registers every part in every segment, keeps the pose that the depth image supports best, drops
 /// poses below `min_score`, poses that reach through the floor by more than `max_below_floor_m` and
 /// poses of a place that is taken by a better one.
-/// Works on the segments in parallel, within the caller's TBB arena.
+/// Works on the segments in parallel, within the caller's TBB arena. Once it is late, what was
+/// found so far.
 RegistrationResult register_segments(const DepthFrame& frame, const Scene& scene,
                                      std::span<const Indices> segments,
                                      std::span<const parts::Part* const> parts,
-                                     const RegistrationParameters& parameters);
+                                     const RegistrationParameters& parameters,
+                                     const IsLate& is_late = never_late);
 
 }  // namespace graspd::perception

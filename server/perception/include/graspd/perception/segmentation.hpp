@@ -13,6 +13,8 @@ namespace graspd::perception {
 /// order, whatever their size. The comparators are PCL's own classes.
 using SegmentationMethod = std::vector<Indices> (*)(const Cloud&, const SegmentationParameters&);
 
+/// The paper's Algorithm 1, on the image grid; on the octree where the cloud is not organised.
+std::vector<Indices> grid_dbscan(const Cloud& cloud, const SegmentationParameters& parameters);
 /// The paper's Algorithm 1, on an octree.
 std::vector<Indices> improved_dbscan(const Cloud& cloud, const SegmentationParameters& parameters);
 /// Plain DBSCAN on PCL's kd-tree.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -11,8 +12,9 @@
 namespace graspd::service {
 
 /// What a worker does with a request: perception's `plan` with its catalogue and parameters bound,
-/// or a test's script.
-using PlanHandler = std::function<Result<PlanAnswer>(const DepthFrame&, const PlanRequest&)>;
+/// or a test's script. After the deadline nobody waits for the answer any more.
+using PlanHandler = std::function<Result<PlanAnswer>(
+    const DepthFrame&, const PlanRequest&, std::chrono::steady_clock::time_point deadline)>;
 
 struct WorkerOptions {
   std::string endpoint;  ///< the front's

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "graspd/perception/is_late.hpp"
+#include "graspd/perception/pose_hypothesis.hpp"
+#include "graspd/perception/scene.hpp"
+
+namespace graspd::perception {
+
+struct ExplainedPart {
+  PoseHypothesis pose;
+  std::vector<std::size_t> cells;  ///< that it explains
+};
+
+/// Accepts the pose that explains most of the image, takes that out of the image, and so on: what
+/// an accepted part explains speaks for no other pose. A pose is refined only when it comes first.
+/// \param grid the image; accepted parts claim their cells in it. \param verifier of that grid.
+/// \param poses roughly placed and scored.
+std::vector<ExplainedPart> explain(DepthGrid& grid, const PoseVerifier& verifier,
+                                   const Scene& scene, std::vector<PoseHypothesis> poses,
+                                   const RegistrationParameters& parameters,
+                                   const IsLate& is_late = never_late);
+
+}  // namespace graspd::perception

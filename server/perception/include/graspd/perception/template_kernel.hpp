@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "graspd/parts/pose_templates.hpp"
+
+/// The inner loop of the search for hypotheses, in the widest vectors that the machine has.
+namespace graspd::perception {
+
+/// The depth image around a reading, sampled as a template is.
+struct SampledReading {
+  static constexpr int kSamples = parts::PoseTemplates::kSamples;
+  /// As in a template, twice over, so that every turn is a run of kSamples.
+  std::int8_t depths[2 * kSamples];
+  std::uint64_t has_reading;  ///< bit i: sample i has one
+  /// The reading's normal in each of the templates' turns.
+  float nx[parts::PoseTemplates::kTurns], ny[parts::PoseTemplates::kTurns],
+      nz[parts::PoseTemplates::kTurns];
+};
+
+struct TemplateLimits {
+  float min_cosine = -2;       ///< between the reading's normal and the anchor's
+  std::int8_t tolerance = 10;  ///< of depths
+  int min_support_n = 8;       ///< samples within tolerance
+  float min_score = 0.5F;
+};
+
+struct TemplateMatch {
+  float score;  ///< samples within tolerance less those behind, of those compared
+  std::uint32_t index;
+  std::uint32_t turn;
+};
+
+/// What `match_templates` finds; made once and used again, so that nothing is allocated.
+struct TemplateMatches {
+  std::size_t compared_n = 0;
+  std::size_t kept_n = 0;
+  std::vector<TemplateMatch> kept;        ///< the leading `kept_n`, turn by turn
+  std::vector<std::uint32_t> candidates;  ///< working memory
+};
+
+/// Compares with every template in every turn in which its anchor's normal agrees.
+void match_templates(const parts::PoseTemplates& templates, const SampledReading& reading,
+                     const TemplateLimits& limits, TemplateMatches& matches);
+
+}  // namespace graspd::perception

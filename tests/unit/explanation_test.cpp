@@ -1,0 +1,111 @@
+#include "graspd/perception/explanation.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "block_scene.hpp"
+#include "graspd/perception/hypotheses.hpp"
+#include "graspd/perception/preprocess.hpp"
+
+namespace graspd::perception {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Three blocks on a floor, two of them leaning on each other.
+class ThreeBlocks : public ::testing::Test {
+ protected:
+  static constexpr double kFloor_m = 0.75;
+  const Vector3d size_m_{0.09, 0.05, 0.03};
+
+  ThreeBlocks() {
+    const auto add = [&](const Vector3d& t_m, double angle_rad, const Vector3d& axis) {
+      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+      T.translate(t_m).rotate(Eigen::AngleAxisd(angle_rad, axis.normalized()));
+      blocks_.push_back({T, size_m_});
+    };
+    add({-0.10, 0, 0.72}, 0.5, {1, 0.6, 0.3});
+    add({0.00, 0.01, 0.72}, 0.9, {0.2, 0.5, 1});
+    add({0.07, 0.01, 0.70}, 0.6, {0.1, 1, 0.4});
+    frame_ = testing::render(testing::kinect_v2(), kFloor_m, blocks_);
+    Cloud cloud = unproject(frame_, preprocess_);
+    std::erase_if(cloud.points_m, [](const auto& p) { return p.z() > kFloor_m - 0.005; });
+    grid_ = make_depth_grid(frame_, cloud, preprocess_);
+  }
+
+  /// Of the nearest block: how far the answer's centre is from its.
+  double off_m(const PoseHypothesis& pose) const {
+    double nearest_m = 1;
+    for (const auto& block : blocks_) {
+      nearest_m = std::min(nearest_m,
+                           (block.T_camera_block.translation() - pose.t_m.cast<double>()).norm());
+    }
+    return nearest_m;
+  }
+
+  PreprocessParameters preprocess_;
+  RegistrationParameters parameters_;
+  std::vector<testing::Block> blocks_;
+  DepthFrame frame_;
+  DepthGrid grid_;
+  parts::Part block_ = testing::block_part("block", size_m_);
+  const parts::Part* const parts_[1] = {&block_};
+  PoseVerifier verifier_{grid_, parts_, parameters_};
+  Scene scene_;
+};
+
+TEST_F(ThreeBlocks, AreFoundWhateverTheNumberOfThreads) {
+  std::vector<std::vector<PoseHypothesis>> found;
+  for (const int threads_n : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    std::size_t(threads_n));
+    found.push_back(find_hypotheses(grid_, verifier_, parts_, parameters_).poses);
+  }
+  ASSERT_FALSE(found[0].empty());
+  for (const auto& other : found) {
+    ASSERT_EQ(other.size(), found[0].size());
+    for (std::size_t i = 0; i < other.size(); ++i) {
+      EXPECT_EQ(other[i].R, found[0][i].R);
+      EXPECT_EQ(other[i].t_m, found[0][i].t_m);
+      EXPECT_EQ(other[i].score, found[0][i].score);
+    }
+  }
+}
+
+TEST_F(ThreeBlocks, AreExplainedOnceEach) {
+  auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
+  EXPECT_GT(found.poses.size(), 3U);
+  const auto explained = explain(grid_, verifier_, scene_, std::move(found.poses), parameters_);
+  ASSERT_EQ(explained.size(), 3U);
+  std::vector<bool> is_claimed(grid_.size(), false);
+  for (const ExplainedPart& part : explained) {
+    EXPECT_LT(off_m(part.pose), 0.003);
+    EXPECT_GT(part.cells.size(), 100U);
+    for (const std::size_t cell : part.cells) {
+      EXPECT_FALSE(is_claimed[cell]) << "two parts explain the same reading";
+      is_claimed[cell] = true;
+    }
+  }
+}
+
+TEST_F(ThreeBlocks, NoneIsExplainedBelowTheFloor) {
+  auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
+  scene_.has_floor = true;  // 0.1 m too high, z up
+  scene_.T_camera_floor.translation() = Vector3d(0, 0, kFloor_m - 0.1);
+  scene_.T_camera_floor.linear() = Vector3d(1, -1, -1).asDiagonal();
+  EXPECT_TRUE(explain(grid_, verifier_, scene_, std::move(found.poses), parameters_).empty());
+}
+
+TEST_F(ThreeBlocks, ASlabOfManyBlocksIsNone) {
+  frame_ = testing::render(
+      testing::kinect_v2(), kFloor_m,
+      {{Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.70)), Vector3d(0.3, 0.25, 0.03)}});
+  Cloud cloud = unproject(frame_, preprocess_);
+  std::erase_if(cloud.points_m, [](const auto& p) { return p.z() > kFloor_m - 0.005; });
+  grid_ = make_depth_grid(frame_, cloud, preprocess_);
+  auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
+  EXPECT_TRUE(explain(grid_, verifier_, scene_, std::move(found.poses), parameters_).empty());
+}
+
+}  // namespace
+}  // namespace graspd::perception
