@@ -3,9 +3,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "block_scene.hpp"
+#include "block_grid.hpp"
 #include "graspd/perception/hypotheses.hpp"
-#include "graspd/perception/preprocess.hpp"
 
 namespace graspd::perception {
 namespace {
@@ -27,10 +26,7 @@ class ThreeBlocks : public ::testing::Test {
     add({-0.10, 0, 0.72}, 0.5, {1, 0.6, 0.3});
     add({0.00, 0.01, 0.72}, 0.9, {0.2, 0.5, 1});
     add({0.07, 0.01, 0.70}, 0.6, {0.1, 1, 0.4});
-    frame_ = testing::render(testing::kinect_v2(), kFloor_m, blocks_);
-    Cloud cloud = unproject(frame_, preprocess_);
-    std::erase_if(cloud.points_m, [](const auto& p) { return p.z() > kFloor_m - 0.005; });
-    grid_ = make_depth_grid(frame_, cloud, preprocess_);
+    grid_ = testing::grid_of(blocks_, kFloor_m);
   }
 
   /// Of the nearest block: how far the answer's centre is from its.
@@ -43,10 +39,8 @@ class ThreeBlocks : public ::testing::Test {
     return nearest_m;
   }
 
-  PreprocessParameters preprocess_;
   RegistrationParameters parameters_;
   std::vector<testing::Block> blocks_;
-  DepthFrame frame_;
   DepthGrid grid_;
   parts::Part block_ = testing::block_part("block", size_m_);
   const parts::Part* const parts_[1] = {&block_};
@@ -97,12 +91,8 @@ TEST_F(ThreeBlocks, NoneIsExplainedBelowTheFloor) {
 }
 
 TEST_F(ThreeBlocks, ASlabOfManyBlocksIsNone) {
-  frame_ = testing::render(
-      testing::kinect_v2(), kFloor_m,
-      {{Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.70)), Vector3d(0.3, 0.25, 0.03)}});
-  Cloud cloud = unproject(frame_, preprocess_);
-  std::erase_if(cloud.points_m, [](const auto& p) { return p.z() > kFloor_m - 0.005; });
-  grid_ = make_depth_grid(frame_, cloud, preprocess_);
+  grid_ = testing::grid_of(
+      {{Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.70)), Vector3d(0.3, 0.25, 0.03)}}, kFloor_m);
   auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
   EXPECT_TRUE(explain(grid_, verifier_, scene_, std::move(found.poses), parameters_).empty());
 }

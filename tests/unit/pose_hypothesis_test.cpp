@@ -5,8 +5,7 @@
 #include <random>
 #include <set>
 
-#include "block_scene.hpp"
-#include "graspd/perception/preprocess.hpp"
+#include "block_grid.hpp"
 #include "random_points.hpp"
 
 namespace graspd::perception {
@@ -24,17 +23,12 @@ class OneBlock : public ::testing::Test {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translate(Vector3d(0.02, 0.01, 0.70));
     T.rotate(Eigen::AngleAxisd(0.5, Vector3d(1, 0.6, 0.3).normalized()));
-    frame_ = testing::render(testing::kinect_v2(), kFloor_m, {{T, size_m_}});
-    Cloud cloud = unproject(frame_, preprocess_);
-    std::erase_if(cloud.points_m, [](const Vector3f& p) { return p.z() > kFloor_m - 0.005; });
-    grid_ = make_depth_grid(frame_, cloud, preprocess_);
+    grid_ = testing::grid_of({{T, size_m_}}, kFloor_m);
     truth_.R = T.linear().cast<float>();
     truth_.t_m = T.translation().cast<float>();
   }
 
-  PreprocessParameters preprocess_;
   RegistrationParameters parameters_;
-  DepthFrame frame_;
   DepthGrid grid_;
   parts::Part block_ = testing::block_part("block", size_m_);
   const parts::Part* const parts_[1] = {&block_};

@@ -53,6 +53,10 @@ Result<Part> make_part(const PartDescription& description) {
   part.barycentre_m = barycentre_m(*mesh);
   part.principal_axes = principal_axes(*mesh);
   part.surface = sample_surface(*mesh, kTemplateSpacing_m);
+  for (const SurfacePoint& point : part.surface) {
+    const Eigen::Vector3d d_m = point.position_m.cast<double>() - part.barycentre_m;
+    part.radius_m = std::max(part.radius_m, d_m.norm());
+  }
   part.symmetries = description.symmetries ? *description.symmetries : find_symmetries(*mesh);
   part.registration = RegistrationModel(*mesh, part.symmetries);
   part.mesh = std::move(*mesh);

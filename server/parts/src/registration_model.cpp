@@ -13,10 +13,9 @@
 namespace graspd::parts {
 namespace {
 
-constexpr int kViews = 240;                // about 13° apart
-constexpr double kCellsAcross = 40;        // of a view, over the part's diameter
-constexpr std::size_t kSpreadPoints = 64;  // of a view: the leading ones
-constexpr int kCubeSide = 24;              // cells of the cube map: 3.75° wide
+constexpr int kViews = 240;          // about 13° apart
+constexpr double kCellsAcross = 40;  // of a view, over the part's diameter
+constexpr int kCubeSide = 24;        // cells of the cube map: 3.75° wide
 constexpr std::size_t kReadAhead = 16;
 /// From the outline to where the surface must have ended: the sensor blurs an edge over two pixels
 /// of 2 mm to either side.

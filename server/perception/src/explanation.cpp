@@ -5,7 +5,6 @@
 namespace graspd::perception {
 namespace {
 
-constexpr std::size_t kCoarsePoints = 64;
 constexpr float kClaimTolerance_m = 0.01F;
 /// Two parts can't have their barycentres nearer than this share of the smaller diameter.
 constexpr double kSamePartShare = 0.2;
@@ -44,7 +43,8 @@ class Queue {
   std::vector<Entry> entries_;
 };
 
-/// How far the pose reaches through the floor.
+/// How far the pose reaches through the floor: its vertices, so that no sample between them is
+/// needed.
 double below_floor_m(const PoseVerifier& verifier, const PoseHypothesis& pose,
                      const Eigen::Isometry3d& T_camera_floor) {
   const Eigen::Isometry3f T_floor_camera = T_camera_floor.inverse().cast<float>();
@@ -88,7 +88,7 @@ std::vector<ExplainedPart> explain(DepthGrid& grid, const PoseVerifier& verifier
       if (entry.is_refined) {
         verifier.score_finally(pose);
       } else {
-        verifier.score(pose, kCoarsePoints, parameters.inlier_tolerance_m);
+        verifier.score(pose, PoseVerifier::kCoarsePoints, parameters.inlier_tolerance_m);
       }
       entry.scored_at = now;
       if (pose.score == before) entry.refined_at = now;  // nothing of it was claimed

@@ -33,7 +33,7 @@ std::vector<double> distances_to_others(std::span<const Eigen::Vector3d> points_
                                         std::size_t target, std::span<const PlacedPart> parts) {
   const auto gap_m = [&](std::size_t other) {
     return (parts[other].barycentre_m() - parts[target].barycentre_m()).norm() -
-           parts[other].radius_m() - parts[target].radius_m();
+           parts[other].part->radius_m - parts[target].part->radius_m;
   };
   std::vector<std::pair<double, std::size_t>> others;  // at least this far away, nearest first
   for (std::size_t other = 0; other < parts.size(); ++other) {

@@ -13,15 +13,6 @@ constexpr int kTemplateOctreeDepth = 8;
 
 }  // namespace
 
-double PlacedPart::radius_m() const {
-  double radius2_m2 = 0;
-  for (const auto& point : part->surface) {
-    const Eigen::Vector3d d_m = point.position_m.cast<double>() - part->barycentre_m;
-    radius2_m2 = std::max(radius2_m2, d_m.squaredNorm());
-  }
-  return std::sqrt(radius2_m2);
-}
-
 double p_self(double height_m, double inclination, const GrsParameters& parameters) {
   return parameters.k1 * height_m + parameters.k2 * std::sin(inclination);
 }
@@ -60,7 +51,7 @@ PSystemCount p_system_count(std::size_t target, std::span<const PlacedPart> part
   std::vector<bool> is_shared(points_m.size());
 
   // Nothing of the object is farther from its barycentre.
-  const double reach_m = object.radius_m() + parameters.overlap_distance_m;
+  const double reach_m = object.part->radius_m + parameters.overlap_distance_m;
   const Eigen::Vector3f barycentre_m = object.part->barycentre_m.cast<float>();
   const auto reach2_m2 = static_cast<float>(reach_m * reach_m);
 
@@ -68,7 +59,7 @@ PSystemCount p_system_count(std::size_t target, std::span<const PlacedPart> part
   std::vector<std::uint32_t> found;
   for (std::uint32_t other = 0; other < parts.size(); ++other) {
     const double distance_m = (object.barycentre_m() - parts[other].barycentre_m()).norm();
-    if (other == target || distance_m > reach_m + parts[other].radius_m()) continue;
+    if (other == target || distance_m > reach_m + parts[other].part->radius_m) continue;
     const Eigen::Isometry3f T_target_other =
         (object.T_floor_part.inverse() * parts[other].T_floor_part).cast<float>();
     bool touches = false;

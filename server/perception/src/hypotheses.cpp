@@ -32,7 +32,6 @@ constexpr float kSeedMinFacing = 0.25F;
 
 /// A hypothesis is dropped after 16 points where fewer support or more refute it.
 constexpr EarlyStop kEarlyStop{4, 5};
-constexpr std::size_t kCoarsePoints = 64;
 constexpr int kCoarseIcpSteps = 6;
 constexpr double kCoarseIcpTolerance_m = 0.012;
 constexpr float kSamePlace_m = 0.01F;  ///< of barycentres: poses that compete
@@ -217,7 +216,9 @@ Proposals propose(const DepthGrid& grid, const PoseVerifier& verifier, const See
     PoseHypothesis pose;
     pose.part = part_index;
     view.lay(templates, matches.kept[i], pose);
-    if (!verifier.score(pose, kCoarsePoints, parameters.coarse_tolerance_m, kEarlyStop)) continue;
+    if (!verifier.score(pose, PoseVerifier::kCoarsePoints, parameters.coarse_tolerance_m,
+                        kEarlyStop))
+      continue;
     if (pose.fit >= static_cast<float>(parameters.min_coarse_score)) result.poses.push_back(pose);
   }
   sort_best_first(result.poses);
@@ -320,10 +321,10 @@ void place_coarsely(const PoseVerifier& verifier, const RegistrationParameters& 
                     PoseHypothesis& pose) {
   for (int k = 0; k < kCoarseIcpSteps; ++k) {
     const bool early = k < kCoarseIcpSteps / 2;
-    verifier.icp_step(pose, kCoarsePoints,
+    verifier.icp_step(pose, PoseVerifier::kCoarsePoints,
                       early ? kCoarseIcpTolerance_m : parameters.coarse_tolerance_m);
   }
-  verifier.score(pose, kCoarsePoints, parameters.inlier_tolerance_m);
+  verifier.score(pose, PoseVerifier::kCoarsePoints, parameters.inlier_tolerance_m);
 }
 
 }  // namespace

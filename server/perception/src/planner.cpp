@@ -222,6 +222,19 @@ PlanAnswer concluded(PlanAnswer& answer, const PlanOptions& options, bool is_unc
   return std::move(answer);
 }
 
+/// The scene, and what the answer says of it.
+Scene look(const DepthFrame& frame, const PlanRequest& request, const PartList& parts,
+           const Parameters& parameters, PlanAnswer& answer) {
+  Scene scene = prepare_scene(frame, request, largest_diameter_m(parts), parameters);
+  answer.funnel = scene.funnel;
+  answer.fill_level = scene.fill_level;
+  answer.warnings = scene.warnings;
+  std::ranges::move(too_small_parts(parts, frame.camera, scene.T_camera_floor.translation().norm(),
+                                    parameters.registration.min_explained_px),
+                    std::back_inserter(answer.warnings));
+  return scene;
+}
+
 }  // namespace
 
 Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
@@ -233,13 +246,7 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
   PlanAnswer answer;
   StageClock clock(answer.timings);
 
-  Scene scene = prepare_scene(frame, request, largest_diameter_m(*parts), parameters);
-  answer.funnel = scene.funnel;
-  answer.fill_level = scene.fill_level;
-  answer.warnings = scene.warnings;
-  std::ranges::move(too_small_parts(*parts, frame.camera, scene.T_camera_floor.translation().norm(),
-                                    parameters.registration.min_explained_px),
-                    std::back_inserter(answer.warnings));
+  Scene scene = look(frame, request, *parts, parameters, answer);
   clock.finished("preprocess");
   if (scene.funnel.after_passthrough_n == 0) {
     return finished(answer, Outcome::kBinNotFound,

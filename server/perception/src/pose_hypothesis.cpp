@@ -55,6 +55,13 @@ void orthonormalise(PoseHypothesis& pose) {
 
 }  // namespace
 
+Eigen::Isometry3d PoseHypothesis::T_camera_part() const {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::Quaterniond(R.cast<double>()).normalized().toRotationMatrix();
+  T.translation() = t_m.cast<double>();
+  return T;
+}
+
 const parts::View& PoseVerifier::view(const PoseHypothesis& pose) const {
   return part(pose).registration.view_from(-(pose.R.transpose() * pose.t_m));
 }

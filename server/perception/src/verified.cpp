@@ -77,9 +77,7 @@ RegistrationResult register_verified(const DepthFrame& frame, const Scene& scene
   for (const ExplainedPart& one : explained) {
     RegisteredPart& part = result.parts.emplace_back();
     part.part = parts[one.pose.part];
-    part.T_camera_part.linear() =
-        Eigen::Quaterniond(one.pose.R.cast<double>()).normalized().toRotationMatrix();
-    part.T_camera_part.translation() = one.pose.t_m.cast<double>();
+    part.T_camera_part = one.pose.T_camera_part();
     part.evidence = evidence_of(one.pose);
     part.p_camera_segment_centroid_m =
         segment_centroid_m(grid, one.cells, map, scene.cloud, segments);

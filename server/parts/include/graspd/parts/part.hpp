@@ -40,6 +40,7 @@ struct Part {
   std::vector<PickPoint> pick_points;
   std::array<std::uint8_t, 3> color_rgb{200, 200, 200};
   std::vector<SurfacePoint> surface;  ///< the template: points about a pixel of the sensor apart
+  double radius_m = 0;                ///< from the barycentre to the farthest of them
   RegistrationModel registration;     ///< what registration looks up
 };
 

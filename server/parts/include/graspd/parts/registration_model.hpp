@@ -39,6 +39,8 @@ struct View {
 
 class RegistrationModel {
  public:
+  static constexpr std::size_t kSpreadPoints = 64;  ///< of a view: its leading ones, spread widest
+
   RegistrationModel() = default;
   RegistrationModel(const Mesh& mesh, const Symmetries& symmetries);
 

@@ -21,8 +21,6 @@ struct PlacedPart {
   Eigen::Vector3d principal_axis() const {
     return T_floor_part.linear() * part->principal_axes.col(0);
   }
-  /// From the barycentre to the farthest point of the surface.
-  double radius_m() const;
 };
 
 /// P_self = k₁·z + k₂·sin θ (eq. 7); z the barycentre's height above the floor, θ ∈ [0, π/2] the

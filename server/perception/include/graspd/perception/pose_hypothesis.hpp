@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,11 +27,15 @@ struct PoseHypothesis {
   PoseCounts counts;
 
   Eigen::Vector3f in_camera(const Eigen::Vector3f& p_part_m) const { return R * p_part_m + t_m; }
+  Eigen::Isometry3d T_camera_part() const;
 };
 
 /// Scores and refines the poses of a list of parts in one image.
 class PoseVerifier {
  public:
+  /// Enough for a first look: the leading points of a view are spread as far as can be.
+  static constexpr std::size_t kCoarsePoints = parts::RegistrationModel::kSpreadPoints;
+
   /// The arguments must outlive the verifier; the grid may change between calls.
   PoseVerifier(const DepthGrid& grid, std::span<const parts::Part* const> parts,
                const RegistrationParameters& parameters)
