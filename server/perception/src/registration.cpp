@@ -54,6 +54,19 @@ double below_floor_m(const RegisteredPart& part, const Eigen::Isometry3d& T_came
   return -lowest_m;
 }
 
+/// The rule that forbids the pose, if one does.
+std::optional<Refusal> refusal_of(const RegisteredPart& pose, const Scene& scene,
+                                  const RegistrationParameters& parameters) {
+  if (pose.evidence.score < parameters.min_score) {
+    return Refusal{pose.part, "min_score", parameters.min_score, pose.evidence.score};
+  }
+  const double below_m = scene.has_floor ? below_floor_m(pose, scene.T_camera_floor) : 0;
+  if (below_m > parameters.max_below_floor_m) {
+    return Refusal{pose.part, "max_below_floor_m", parameters.max_below_floor_m, below_m};
+  }
+  return std::nullopt;
+}
+
 bool same_place(const RegisteredPart& a, const RegisteredPart& b) {
   const double reach_m = kSamePlaceShare * std::min(a.part->diameter_m, b.part->diameter_m);
   return (a.T_camera_part * a.part->barycentre_m - b.T_camera_part * b.part->barycentre_m).norm() <
@@ -112,12 +125,17 @@ RegistrationResult register_segments(const DepthFrame& frame, const Scene& scene
   });
 
   RegistrationResult result;
+  double best_refused = -1;
   for (const auto& [hypotheses_n, best] : found) {
     result.hypotheses_n += hypotheses_n;
-    if (!best || best->evidence.score < parameters.min_score) continue;
-    const bool possible = !scene.has_floor || below_floor_m(*best, scene.T_camera_floor) <=
-                                                  parameters.max_below_floor_m;
-    if (possible) result.parts.push_back(*best);
+    if (!best) continue;
+    const auto refusal = refusal_of(*best, scene, parameters);
+    if (!refusal) {
+      result.parts.push_back(*best);
+    } else if (best->evidence.score > best_refused) {
+      best_refused = best->evidence.score;
+      result.refusal = refusal;
+    }
   }
   std::stable_sort(result.parts.begin(), result.parts.end(), [](const auto& a, const auto& b) {
     return a.evidence.score > b.evidence.score;
