@@ -1,10 +1,10 @@
 #include "graspd/perception/registration.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <stdexcept>
+
+#include "parallel.hpp"
 
 namespace graspd::perception {
 namespace {
@@ -118,7 +118,7 @@ RegistrationResult register_segments(const DepthFrame& frame, const Scene& scene
   const RegistrationMethod method = registration_method(parameters.method, parts, parameters);
   // Each segment has its own slot, so the threads' order does not show in the answer.
   std::vector<SegmentResult> found(segments.size());
-  tbb::parallel_for(std::size_t{0}, segments.size(), [&](std::size_t i) {
+  parallel_for(segments.size(), [&](std::size_t i) {
     if (is_late()) return;
     found[i] = register_segment(frame, subset(scene.cloud, segments[i]), parts, method,
                                 parameters.inlier_tolerance_m);

@@ -6,8 +6,8 @@ namespace graspd::perception {
 
 std::string why_none(std::size_t segments_n, const RegistrationResult& registered,
                      const RegistrationParameters& parameters) {
-  const std::string tried = fmt::format("{} segments, but none of {} poses tried stands",
-                                        segments_n, registered.hypotheses_n);
+  std::string tried = fmt::format("{} segments, but none of {} poses tried stands", segments_n,
+                                  registered.hypotheses_n);
   if (const auto& refusal = registered.refusal) {
     return fmt::format("{}: the best, of part '{}', has {:.3g} where {} is {:.3g}", tried,
                        refusal->part->id, refusal->value, refusal->parameter, refusal->limit);
