@@ -58,15 +58,16 @@ double below_floor_m(const PoseVerifier& verifier, const PoseHypothesis& pose,
 /// Keeps the refusal of the pose that came nearest to being accepted.
 class NearestMiss {
  public:
-  void add(const PoseHypothesis& pose, const std::optional<Refusal>& refusal) {
-    if (!refusal || (refusal_ && pose.fit <= fit_)) return;
-    fit_ = pose.fit;
+  /// \param nearness the pose's fit, or more where it broke no rule but the last.
+  void add(float nearness, const std::optional<Refusal>& refusal) {
+    if (!refusal || (refusal_ && nearness <= nearness_)) return;
+    nearness_ = nearness;
     refusal_ = refusal;
   }
   const std::optional<Refusal>& refusal() const { return refusal_; }
 
  private:
-  float fit_ = 0;
+  float nearness_ = 0;
   std::optional<Refusal> refusal_;
 };
 
@@ -101,7 +102,8 @@ Explanation explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& 
     if (entry.scored_at != now) {
       const float before = pose.score;
       if (entry.is_refined) {
-        nearest_miss.add(pose, verifier.score_finally(pose));
+        const auto refusal = verifier.score_finally(pose);
+        nearest_miss.add(pose.fit, refusal);
       } else {
         verifier.score(pose, PoseVerifier::kCoarsePoints, parameters.inlier_tolerance_m);
       }
@@ -109,7 +111,8 @@ Explanation explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& 
       if (pose.score == before) entry.refined_at = now;  // nothing of it was claimed
       enqueue(queue, entry);
     } else if (!entry.is_refined || entry.refined_at != now) {
-      nearest_miss.add(pose, verifier.refine(pose));
+      const auto refusal = verifier.refine(pose);
+      nearest_miss.add(pose.fit, refusal);
       entry.is_refined = true;
       entry.refined_at = now;
       enqueue(queue, entry);
@@ -119,8 +122,8 @@ Explanation explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& 
       const double below_m =
           scene.has_floor ? below_floor_m(verifier, pose, scene.T_camera_floor) : 0;
       if (below_m > parameters.max_below_floor_m) {
-        nearest_miss.add(pose, Refusal{&verifier.part(pose), "max_below_floor_m",
-                                       parameters.max_below_floor_m, below_m});
+        nearest_miss.add(1 + pose.fit, Refusal{&verifier.part(pose), "max_below_floor_m",
+                                               parameters.max_below_floor_m, below_m});
         continue;
       }
       accepted.push_back({pose, verifier.explained_cells(pose, kClaimTolerance_m)});

@@ -16,7 +16,7 @@ struct ExplainedPart {
 
 struct Explanation {
   std::vector<ExplainedPart> parts;
-  std::optional<Refusal> refusal;  ///< of the refused pose with the highest fit
+  std::optional<Refusal> refusal;  ///< of the refused pose that came nearest
 };
 
 /// Accepts the pose that explains most of the image, takes that out of the image, and so on: what
