@@ -97,12 +97,11 @@ std::string rejected_table(const PlanAnswer& answer) {
 std::string funnel_line(const Funnel& funnel) {
   std::string line = fmt::format(
       "{} pixels → {} readings → {} inside → {} voxels → {} off the plane → {} segments → {} "
-      "hypotheses → {} parts → {} grasps",
+      "poses tried → {} parts → {} grasps",
       funnel.pixels_n, funnel.readings_n, funnel.after_passthrough_n, funnel.after_voxel_grid_n,
       funnel.after_plane_n, funnel.segments_n, funnel.hypotheses_n, funnel.registered_n,
       funnel.grasps_n);
   std::string rejected;
-  if (funnel.rejected_score_n > 0) rejected = fmt::format("score {}", funnel.rejected_score_n);
   for (std::size_t i = 0; i < funnel.rejected_by_check_n.size(); ++i) {
     if (funnel.rejected_by_check_n[i] == 0) continue;
     rejected += fmt::format("{}{} {}", rejected.empty() ? "" : ", ",

@@ -113,9 +113,9 @@ int simulate(const SimulateArguments& arguments) {
     spdlog::error("{}", report.error().message);
     return report.error().code == Code::kInternal ? kExitFailed : kExitWrongInput;
   }
-  fmt::print("{}: {} frames, {} parts, {:.0f} % of them visible by half or more\n",
-             arguments.output.string(), report->frames_n, report->parts_n,
-             100 * report->visible_share);
+  fmt::print("{}: {} frame{}, {} parts, {:.0f} % of them visible by half or more\n",
+             arguments.output.string(), report->frames_n, report->frames_n == 1 ? "" : "s",
+             report->parts_n, 100 * report->visible_share);
   return kExitDone;
 }
 

@@ -69,7 +69,8 @@ TEST_F(ThreeBlocks, AreFoundWhateverTheNumberOfThreads) {
 TEST_F(ThreeBlocks, AreExplainedOnceEach) {
   auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
   EXPECT_GT(found.poses.size(), 3U);
-  const auto explained = explain(grid_, verifier_, scene_, std::move(found.poses), parameters_);
+  const auto explained =
+      explain(grid_, verifier_, scene_, std::move(found.poses), parameters_).parts;
   ASSERT_EQ(explained.size(), 3U);
   std::vector<bool> is_claimed(grid_.size(), false);
   for (const ExplainedPart& part : explained) {
@@ -87,14 +88,24 @@ TEST_F(ThreeBlocks, NoneIsExplainedBelowTheFloor) {
   scene_.has_floor = true;  // 0.1 m too high, z up
   scene_.T_camera_floor.translation() = Vector3d(0, 0, kFloor_m - 0.1);
   scene_.T_camera_floor.linear() = Vector3d(1, -1, -1).asDiagonal();
-  EXPECT_TRUE(explain(grid_, verifier_, scene_, std::move(found.poses), parameters_).empty());
+  const auto [explained, refusal] =
+      explain(grid_, verifier_, scene_, std::move(found.poses), parameters_);
+  EXPECT_TRUE(explained.empty());
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->parameter, "max_below_floor_m");
+  EXPECT_GT(refusal->value, 0.1);
 }
 
 TEST_F(ThreeBlocks, ASlabOfManyBlocksIsNone) {
   grid_ = testing::grid_of(
       {{Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.70)), Vector3d(0.3, 0.25, 0.03)}}, kFloor_m);
   auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
-  EXPECT_TRUE(explain(grid_, verifier_, scene_, std::move(found.poses), parameters_).empty());
+  const auto [explained, refusal] =
+      explain(grid_, verifier_, scene_, std::move(found.poses), parameters_);
+  EXPECT_TRUE(explained.empty());
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->parameter, "max_leftover_share");
+  EXPECT_GT(refusal->value, parameters_.max_leftover_share);
 }
 
 }  // namespace

@@ -151,6 +151,7 @@ TEST_F(Planner, SomethingElseInTheBinIsNotAPart) {
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->outcome, Outcome::kNoneRegistered);
   EXPECT_TRUE(answer->objects.empty());
+  EXPECT_THAT(answer->reason, HasSubstr("the best, of part 'block', has "));
 }
 
 TEST_F(Planner, ATooNarrowGripperIsAllInCollisionWithTheReason) {

@@ -1,4 +1,4 @@
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include <bit>
 #include <cstring>
@@ -16,9 +16,9 @@ std::size_t pixels_n(const CameraIntrinsics& camera) {
   return static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
 }
 
+/// Not zlib's: the same number took it three times as long, half of a worker's decoding.
 std::uint32_t crc32_of(Bytes payload) {
-  return static_cast<std::uint32_t>(
-      crc32_z(0, reinterpret_cast<const Bytef*>(payload.data()), payload.size()));
+  return libdeflate_crc32(0, payload.data(), payload.size());
 }
 
 Result<std::vector<std::uint16_t>> decode_depth(const FrameDescription& description,

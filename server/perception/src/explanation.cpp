@@ -55,6 +55,22 @@ double below_floor_m(const PoseVerifier& verifier, const PoseHypothesis& pose,
   return static_cast<double>(-lowest_m);
 }
 
+/// Keeps the refusal of the pose that came nearest to being accepted.
+class NearestMiss {
+ public:
+  /// \param nearness the pose's fit, or more where it broke no rule but the last.
+  void add(float nearness, const std::optional<Refusal>& refusal) {
+    if (!refusal || (refusal_ && nearness <= nearness_)) return;
+    nearness_ = nearness;
+    refusal_ = refusal;
+  }
+  const std::optional<Refusal>& refusal() const { return refusal_; }
+
+ private:
+  float nearness_ = 0;
+  std::optional<Refusal> refusal_;
+};
+
 bool is_same_part(const PoseVerifier& verifier, const PoseHypothesis& a, const PoseHypothesis& b) {
   const double reach_m =
       kSamePartShare * std::min(verifier.part(a).diameter_m, verifier.part(b).diameter_m);
@@ -64,10 +80,9 @@ bool is_same_part(const PoseVerifier& verifier, const PoseHypothesis& a, const P
 
 }  // namespace
 
-std::vector<ExplainedPart> explain(DepthGrid& grid, const PoseVerifier& verifier,
-                                   const Scene& scene, std::vector<PoseHypothesis> poses,
-                                   const RegistrationParameters& parameters,
-                                   const IsLate& is_late) {
+Explanation explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
+                    std::vector<PoseHypothesis> poses, const RegistrationParameters& parameters,
+                    const IsLate& is_late) {
   const auto enqueue = [&](Queue& queue, Entry entry) {
     const PoseHypothesis& pose = poses[entry.pose];
     const auto least = static_cast<float>(parameters.min_coarse_score);
@@ -79,6 +94,7 @@ std::vector<ExplainedPart> explain(DepthGrid& grid, const PoseVerifier& verifier
   for (std::size_t i = 0; i < poses.size(); ++i) enqueue(queue, {0, i});
 
   std::vector<ExplainedPart> accepted;
+  NearestMiss nearest_miss;
   while (!queue.empty() && !is_late()) {
     Entry entry = queue.pop();
     PoseHypothesis& pose = poses[entry.pose];
@@ -86,7 +102,8 @@ std::vector<ExplainedPart> explain(DepthGrid& grid, const PoseVerifier& verifier
     if (entry.scored_at != now) {
       const float before = pose.score;
       if (entry.is_refined) {
-        verifier.score_finally(pose);
+        const auto refusal = verifier.score_finally(pose);
+        nearest_miss.add(pose.fit, refusal);
       } else {
         verifier.score(pose, PoseVerifier::kCoarsePoints, parameters.inlier_tolerance_m);
       }
@@ -94,22 +111,26 @@ std::vector<ExplainedPart> explain(DepthGrid& grid, const PoseVerifier& verifier
       if (pose.score == before) entry.refined_at = now;  // nothing of it was claimed
       enqueue(queue, entry);
     } else if (!entry.is_refined || entry.refined_at != now) {
-      verifier.refine(pose);
+      const auto refusal = verifier.refine(pose);
+      nearest_miss.add(pose.fit, refusal);
       entry.is_refined = true;
       entry.refined_at = now;
       enqueue(queue, entry);
     } else if (std::none_of(accepted.begin(), accepted.end(), [&](const ExplainedPart& other) {
                  return is_same_part(verifier, pose, other.pose);
                })) {
-      const bool is_above_floor =
-          !scene.has_floor ||
-          below_floor_m(verifier, pose, scene.T_camera_floor) <= parameters.max_below_floor_m;
-      if (!is_above_floor) continue;
+      const double below_m =
+          scene.has_floor ? below_floor_m(verifier, pose, scene.T_camera_floor) : 0;
+      if (below_m > parameters.max_below_floor_m) {
+        nearest_miss.add(1 + pose.fit, Refusal{&verifier.part(pose), "max_below_floor_m",
+                                               parameters.max_below_floor_m, below_m});
+        continue;
+      }
       accepted.push_back({pose, verifier.explained_cells(pose, kClaimTolerance_m)});
       grid.claim(accepted.back().cells);
     }
   }
-  return accepted;
+  return {std::move(accepted), nearest_miss.refusal()};
 }
 
 }  // namespace graspd::perception

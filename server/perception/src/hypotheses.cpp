@@ -1,7 +1,6 @@
 #include "graspd/perception/hypotheses.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <optional>
 
 #include "graspd/perception/template_kernel.hpp"
+#include "parallel.hpp"
 
 namespace graspd::perception {
 namespace {
@@ -336,7 +336,7 @@ HypothesesFound find_hypotheses(const DepthGrid& grid, const PoseVerifier& verif
   // Each seed and part has its own slot, so the threads' order does not show in the answer.
   std::vector<Proposals> proposed(seeds.size() * parts.size());
   tbb::enumerable_thread_specific<TemplateMatches> working_memory;
-  tbb::parallel_for(std::size_t{0}, proposed.size(), [&](std::size_t i) {
+  parallel_for(proposed.size(), [&](std::size_t i) {
     const std::size_t part = i % parts.size();
     proposed[i] = propose(grid, verifier, seeds[i / parts.size()], *parts[part],
                           static_cast<std::uint32_t>(part), parameters, working_memory.local());
@@ -347,8 +347,8 @@ HypothesesFound find_hypotheses(const DepthGrid& grid, const PoseVerifier& verif
     found.poses.insert(found.poses.end(), some.poses.begin(), some.poses.end());
   }
   keep_distinct(verifier, found.poses, parameters.coarse_per_place_n, {0.006F, 0.25F});
-  tbb::parallel_for(std::size_t{0}, found.poses.size(),
-                    [&](std::size_t i) { place_coarsely(verifier, parameters, found.poses[i]); });
+  parallel_for(found.poses.size(),
+               [&](std::size_t i) { place_coarsely(verifier, parameters, found.poses[i]); });
   std::erase_if(found.poses, [&](const PoseHypothesis& pose) {
     return pose.fit < static_cast<float>(parameters.min_coarse_score);
   });

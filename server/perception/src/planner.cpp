@@ -15,6 +15,7 @@
 #include "graspd/perception/segmentation.hpp"
 #include "graspd/perception/verified.hpp"
 #include "ranking.hpp"
+#include "why_none.hpp"
 
 namespace graspd::perception {
 namespace {
@@ -134,24 +135,21 @@ std::optional<std::vector<LastObject>> standing_objects(const PlanRequest& reque
   return unchanged_objects(*request.last_plan, centroids_m, parameters.displacement);
 }
 
-/// Registers the parts in the segments.
+/// Registers the parts in the segments. Where there are none, the answer's reason says why.
 std::vector<Object> register_objects(const DepthFrame& frame, const PlanRequest& request,
                                      const Scene& scene, const std::vector<Indices>& segments,
                                      const PartList& parts, const Parameters& parameters,
-                                     const IsLate& is_late, Funnel& funnel) {
+                                     const IsLate& is_late, PlanAnswer& answer) {
   const RegistrationResult registered =
       parameters.registration.method == Registration::kVerified
           ? register_verified(frame, scene, segments, parts, parameters, is_late)
           : register_segments(frame, scene, segments, parts, parameters.registration, is_late);
-  funnel.hypotheses_n = registered.hypotheses_n;
-  funnel.rejected_score_n = registered.rejected_score_n;
+  answer.funnel.hypotheses_n = registered.hypotheses_n;
+  answer.funnel.rejected_score_n = registered.rejected_score_n;
+  if (registered.parts.empty()) {
+    answer.reason = why_none(segments.size(), registered, parameters.registration);
+  }
   return objects_from(registered, request.T_base_camera);
-}
-
-/// What an answer of the chosen method has at least.
-double least_score(const RegistrationParameters& parameters) {
-  return parameters.method == Registration::kVerified ? parameters.min_verified_score
-                                                      : parameters.min_score;
 }
 
 void draw_outlines(const DepthFrame& frame, const PlanRequest& request,
@@ -273,16 +271,12 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
   answer.objects = standing ? objects_from(*standing, frame, request.T_base_camera, catalogue,
                                            parameters.registration.inlier_tolerance_m)
                             : register_objects(frame, request, scene, segments, *parts, parameters,
-                                               is_late, answer.funnel);
+                                               is_late, answer);
   answer.funnel.registered_n = static_cast<std::uint32_t>(answer.objects.size());
   clock.finished("registration");
   if (is_late()) return too_late(answer.timings);
   if (answer.objects.empty()) {
-    return finished(answer, Outcome::kNoneRegistered,
-                    fmt::format("{} segments, but the frame supports none of {} hypotheses by the "
-                                "score {}",
-                                segments.size(), answer.funnel.hypotheses_n,
-                                least_score(parameters.registration)));
+    return finished(answer, Outcome::kNoneRegistered, std::move(answer.reason));
   }
 
   plan_grasps(request, catalogue, parameters, request.T_base_camera * scene.T_camera_floor, answer);

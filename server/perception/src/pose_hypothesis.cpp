@@ -89,7 +89,7 @@ bool PoseVerifier::score(PoseHypothesis& pose, std::size_t points_n, double tole
   return true;
 }
 
-void PoseVerifier::score_finally(PoseHypothesis& pose) const {
+std::optional<Refusal> PoseVerifier::score_finally(PoseHypothesis& pose) const {
   score(pose, kAllPoints, parameters_.inlier_tolerance_m);
   const float fit = pose.fit;
   const parts::PointArrays& points = part(pose).registration.points();
@@ -112,16 +112,32 @@ void PoseVerifier::score_finally(PoseHypothesis& pose) const {
   }
   set_score(pose, support);
   pose.fit = fit;
-  if (!is_allowed(pose)) pose.score = 0;
+  const auto refused = refusal(pose);
+  if (refused) pose.score = 0;
+  return refused;
 }
 
-bool PoseVerifier::is_allowed(const PoseHypothesis& pose) const {
+std::optional<Refusal> PoseVerifier::refusal(const PoseHypothesis& pose) const {
+  const auto by = [&](std::string_view parameter, double limit, double value) {
+    return Refusal{&part(pose), parameter, limit, value};
+  };
+  if (pose.fit < static_cast<float>(parameters_.min_verified_score)) {
+    return by("min_verified_score", parameters_.min_verified_score, pose.fit);
+  }
   const float pixel_m = pose.t_m.z() / grid_.fx_px;
-  return pose.fit >= static_cast<float>(parameters_.min_verified_score) &&
-         explained_area_m2(pose) >=
-             static_cast<float>(parameters_.min_explained_px) * pixel_m * pixel_m &&
-         pose.counts.support_n >= parameters_.min_visible_share * pose.counts.tested_n &&
-         leftover_share(pose) <= static_cast<float>(parameters_.max_leftover_share);
+  const float explained_px = explained_area_m2(pose) / (pixel_m * pixel_m);
+  if (explained_px < static_cast<float>(parameters_.min_explained_px)) {
+    return by("min_explained_px", parameters_.min_explained_px, explained_px);
+  }
+  const double visible_share = double(pose.counts.support_n) / std::max(1, pose.counts.tested_n);
+  if (visible_share < parameters_.min_visible_share) {
+    return by("min_visible_share", parameters_.min_visible_share, visible_share);
+  }
+  const float leftover = leftover_share(pose);
+  if (leftover > static_cast<float>(parameters_.max_leftover_share)) {
+    return by("max_leftover_share", parameters_.max_leftover_share, leftover);
+  }
+  return std::nullopt;
 }
 
 float PoseVerifier::leftover_share(const PoseHypothesis& pose) const {
@@ -190,7 +206,7 @@ void PoseVerifier::search_nearby(PoseHypothesis& pose) const {
   }
 }
 
-void PoseVerifier::refine(PoseHypothesis& pose) const {
+std::optional<Refusal> PoseVerifier::refine(PoseHypothesis& pose) const {
   for (int i = 0; i < kFinalIcpSteps; ++i) {
     icp_step(pose, kAllPoints, parameters_.inlier_tolerance_m);
   }
@@ -205,7 +221,7 @@ void PoseVerifier::refine(PoseHypothesis& pose) const {
   score(between, kAllPoints, parameters_.inlier_tolerance_m);
   if (between.score > pose.score) pose = between;
   orthonormalise(pose);
-  score_finally(pose);
+  return score_finally(pose);
 }
 
 std::vector<std::size_t> PoseVerifier::explained_cells(const PoseHypothesis& pose,

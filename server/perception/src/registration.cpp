@@ -1,10 +1,10 @@
 #include "graspd/perception/registration.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <stdexcept>
+
+#include "parallel.hpp"
 
 namespace graspd::perception {
 namespace {
@@ -52,6 +52,19 @@ double below_floor_m(const RegisteredPart& part, const Eigen::Isometry3d& T_came
     lowest_m = std::min(lowest_m, (T_floor_part * point.position_m).z());
   }
   return -lowest_m;
+}
+
+/// The rule that forbids the pose, if one does.
+std::optional<Refusal> refusal_of(const RegisteredPart& pose, const Scene& scene,
+                                  const RegistrationParameters& parameters) {
+  if (pose.evidence.score < parameters.min_score) {
+    return Refusal{pose.part, "min_score", parameters.min_score, pose.evidence.score};
+  }
+  const double below_m = scene.has_floor ? below_floor_m(pose, scene.T_camera_floor) : 0;
+  if (below_m > parameters.max_below_floor_m) {
+    return Refusal{pose.part, "max_below_floor_m", parameters.max_below_floor_m, below_m};
+  }
+  return std::nullopt;
 }
 
 bool same_place(const RegisteredPart& a, const RegisteredPart& b) {
@@ -105,19 +118,24 @@ RegistrationResult register_segments(const DepthFrame& frame, const Scene& scene
   const RegistrationMethod method = registration_method(parameters.method, parts, parameters);
   // Each segment has its own slot, so the threads' order does not show in the answer.
   std::vector<SegmentResult> found(segments.size());
-  tbb::parallel_for(std::size_t{0}, segments.size(), [&](std::size_t i) {
+  parallel_for(segments.size(), [&](std::size_t i) {
     if (is_late()) return;
     found[i] = register_segment(frame, subset(scene.cloud, segments[i]), parts, method,
                                 parameters.inlier_tolerance_m);
   });
 
   RegistrationResult result;
+  double best_refused = -1;
   for (const auto& [hypotheses_n, best] : found) {
     result.hypotheses_n += hypotheses_n;
-    if (!best || best->evidence.score < parameters.min_score) continue;
-    const bool possible = !scene.has_floor || below_floor_m(*best, scene.T_camera_floor) <=
-                                                  parameters.max_below_floor_m;
-    if (possible) result.parts.push_back(*best);
+    if (!best) continue;
+    const auto refusal = refusal_of(*best, scene, parameters);
+    if (!refusal) {
+      result.parts.push_back(*best);
+    } else if (best->evidence.score > best_refused) {
+      best_refused = best->evidence.score;
+      result.refusal = refusal;
+    }
   }
   std::stable_sort(result.parts.begin(), result.parts.end(), [](const auto& a, const auto& b) {
     return a.evidence.score > b.evidence.score;

@@ -68,13 +68,14 @@ RegistrationResult register_verified(const DepthFrame& frame, const Scene& scene
       scene.grid ? *scene.grid : make_depth_grid(frame, scene.cloud, parameters.preprocess);
   const PoseVerifier verifier(grid, parts, parameters.registration);
   HypothesesFound found = find_hypotheses(grid, verifier, parts, parameters.registration);
-  const std::vector<ExplainedPart> explained =
+  const Explanation explained =
       explain(grid, verifier, scene, std::move(found.poses), parameters.registration, is_late);
 
   const auto map = segment_map(grid, scene.cloud, segments);
   RegistrationResult result;
   result.hypotheses_n = static_cast<std::uint32_t>(found.compared_n);
-  for (const ExplainedPart& one : explained) {
+  result.refusal = explained.refusal;
+  for (const ExplainedPart& one : explained.parts) {
     RegisteredPart& part = result.parts.emplace_back();
     part.part = parts[one.pose.part];
     part.T_camera_part = one.pose.T_camera_part();

@@ -73,9 +73,9 @@ struct Funnel {
   std::uint32_t after_voxel_grid_n = 0;
   std::uint32_t after_plane_n = 0;
   std::uint32_t segments_n = 0;
-  std::uint32_t hypotheses_n = 0;
+  std::uint32_t hypotheses_n = 0;  ///< poses tried, the roughest included
   std::uint32_t registered_n = 0;
-  std::uint32_t rejected_score_n = 0;  ///< hypotheses that explained too little of the frame
+  std::uint32_t rejected_score_n = 0;  ///< of the poses tried, those that are not answered
   std::uint32_t grasps_n = 0;
   /// Grasps each check rejected, in the order of Check.
   std::array<std::uint32_t, std::size(EnumNames<Check>::values)> rejected_by_check_n{};

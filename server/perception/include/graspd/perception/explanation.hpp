@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "graspd/perception/is_late.hpp"
@@ -13,13 +14,17 @@ struct ExplainedPart {
   std::vector<std::size_t> cells;  ///< that it explains
 };
 
+struct Explanation {
+  std::vector<ExplainedPart> parts;
+  std::optional<Refusal> refusal;  ///< of the refused pose that came nearest
+};
+
 /// Accepts the pose that explains most of the image, takes that out of the image, and so on: what
 /// an accepted part explains speaks for no other pose. A pose is refined only when it comes first.
 /// \param grid the image; accepted parts claim their cells in it. \param verifier of that grid.
 /// \param poses roughly placed and scored.
-std::vector<ExplainedPart> explain(DepthGrid& grid, const PoseVerifier& verifier,
-                                   const Scene& scene, std::vector<PoseHypothesis> poses,
-                                   const RegistrationParameters& parameters,
-                                   const IsLate& is_late = never_late);
+Explanation explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
+                    std::vector<PoseHypothesis> poses, const RegistrationParameters& parameters,
+                    const IsLate& is_late = never_late);
 
 }  // namespace graspd::perception

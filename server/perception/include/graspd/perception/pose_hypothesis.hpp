@@ -2,12 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "graspd/parts/part.hpp"
 #include "graspd/perception/depth_grid.hpp"
 #include "graspd/perception/parameters.hpp"
+#include "graspd/perception/refusal.hpp"
 
 /// A pose that may be right, and what the depth image says of it: projective verification and
 /// projective ICP. Nothing here searches for neighbours: a model point is compared with the reading
@@ -62,12 +64,12 @@ class PoseVerifier {
   /// nothing.
   void search_nearby(PoseHypothesis& pose) const;
 
-  /// From a rough pose to its final place and score.
-  void refine(PoseHypothesis& pose) const;
+  /// From a rough pose to its final place and score. \returns as `score_finally`.
+  std::optional<Refusal> refine(PoseHypothesis& pose) const;
 
   /// As `score` of all points, with the say of normals and small errors; 0 where a rule of
-  /// `RegistrationParameters` forbids the pose.
-  void score_finally(PoseHypothesis& pose) const;
+  /// `RegistrationParameters` forbids the pose. \returns the first such rule.
+  std::optional<Refusal> score_finally(PoseHypothesis& pose) const;
 
   /// Of the outline, the share beyond which the same surface goes on.
   float leftover_share(const PoseHypothesis& pose) const;
@@ -76,9 +78,9 @@ class PoseVerifier {
   std::vector<std::size_t> explained_cells(const PoseHypothesis& pose, double tolerance_m) const;
 
  private:
+  std::optional<Refusal> refusal(const PoseHypothesis& pose) const;
   /// \param support of the points within tolerance, each by its weight.
   void set_score(PoseHypothesis& pose, float support) const;
-  bool is_allowed(const PoseHypothesis& pose) const;
 
   const DepthGrid& grid_;
   std::span<const parts::Part* const> parts_;

@@ -12,6 +12,7 @@
 #include "graspd/perception/is_late.hpp"
 #include "graspd/perception/parameters.hpp"
 #include "graspd/perception/preprocess.hpp"
+#include "graspd/perception/refusal.hpp"
 
 /// From segments to posed parts.
 namespace graspd::perception {
@@ -54,8 +55,9 @@ struct RegisteredPart {
 
 struct RegistrationResult {
   std::vector<RegisteredPart> parts;  ///< best score first
-  std::uint32_t hypotheses_n = 0;
+  std::uint32_t hypotheses_n = 0;     ///< poses tried, the roughest included
   std::uint32_t rejected_score_n = 0;
+  std::optional<Refusal> refusal;  ///< of the refused pose that the frame supports best
 };
 
 /// Registers every part in every segment, keeps the pose that the depth image supports best, drops

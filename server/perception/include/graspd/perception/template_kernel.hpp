@@ -24,7 +24,10 @@ struct SampledReading {
 struct TemplateLimits {
   float min_cosine = -2;       ///< between the reading's normal and the anchor's
   std::int8_t tolerance = 10;  ///< of depths
-  int min_support_n = 8;       ///< samples within tolerance
+  /// Samples within tolerance, and the score. No parameters of the pipeline: the best few of each
+  /// seed are chosen from what passes, and these two only spare the sorting of what has no chance.
+  /// Without them as many parts are found on tuning frames.
+  int min_support_n = 8;
   float min_score = 0.5F;
 };
 
