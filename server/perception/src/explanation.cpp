@@ -2,46 +2,19 @@
 
 #include <algorithm>
 
+#include "parallel.hpp"
+#include "selection.hpp"
+
 namespace graspd::perception {
 namespace {
 
-constexpr float kClaimTolerance_m = 0.01F;
+constexpr double kClaimTolerance_m = 0.01;
 /// Two parts can't have their barycentres nearer than this share of the smaller diameter.
 constexpr double kSamePartShare = 0.2;
-/// By how much a pose may explain more once it has been refined.
-constexpr float kExpectedGain = 1.15F;
-
-/// A pose's place in the queue. What it explains can only fall while others claim pixels, so that
-/// only the first in the queue must be up to date: the greedy is a lazy one.
-struct Entry {
-  float area_m2;  ///< that the pose explains: a small part fits a piece of anything
-  std::size_t pose;
-  std::size_t scored_at = 0;   ///< after so many acceptances
-  std::size_t refined_at = 0;  ///< likewise
-  bool is_refined = false;
-};
-
-bool comes_later(const Entry& a, const Entry& b) {
-  return a.area_m2 != b.area_m2 ? a.area_m2 < b.area_m2 : a.pose > b.pose;
-}
-
-class Queue {
- public:
-  bool empty() const { return entries_.empty(); }
-  void push(const Entry& entry) {
-    entries_.push_back(entry);
-    std::push_heap(entries_.begin(), entries_.end(), comes_later);
-  }
-  Entry pop() {
-    std::pop_heap(entries_.begin(), entries_.end(), comes_later);
-    const Entry entry = entries_.back();
-    entries_.pop_back();
-    return entry;
-  }
-
- private:
-  std::vector<Entry> entries_;
-};
+/// A rough pose is refined where it is among so many best at some share of its readings. More of
+/// them found hardly more parts.
+constexpr int kRivals = 4;
+constexpr double kRivalShare = 0.15;
 
 /// How far the pose reaches through the floor: its vertices, so that no sample between them is
 /// needed.
@@ -71,11 +44,63 @@ class NearestMiss {
   std::optional<Refusal> refusal_;
 };
 
-bool is_same_part(const PoseVerifier& verifier, const PoseHypothesis& a, const PoseHypothesis& b) {
-  const double reach_m =
-      kSamePartShare * std::min(verifier.part(a).diameter_m, verifier.part(b).diameter_m);
-  const float distance_m = (verifier.barycentre_m(a) - verifier.barycentre_m(b)).norm();
-  return static_cast<double>(distance_m) < reach_m;
+/// What explains most first.
+void sort_by_area(const PoseVerifier& verifier, std::vector<PoseHypothesis>& poses) {
+  std::stable_sort(poses.begin(), poses.end(), [&](const auto& a, const auto& b) {
+    return verifier.explained_area_m2(a) > verifier.explained_area_m2(b);
+  });
+}
+
+/// Drops rough poses whose readings several better ones explain.
+void keep_promising(const DepthGrid& grid, const PoseVerifier& verifier,
+                    const RegistrationParameters& parameters, std::vector<PoseHypothesis>& poses) {
+  sort_by_area(verifier, poses);
+  std::vector<std::uint8_t> rivals_n(grid.size(), 0);
+  std::erase_if(poses, [&](const PoseHypothesis& pose) {
+    const auto cells = verifier.supporting_cells(pose, parameters.coarse_tolerance_m);
+    const auto contested_n = std::count_if(
+        cells.begin(), cells.end(), [&](std::size_t cell) { return rivals_n[cell] >= kRivals; });
+    const auto open_n = static_cast<double>(cells.size()) - static_cast<double>(contested_n);
+    if (open_n <= kRivalShare * static_cast<double>(cells.size())) return true;
+    for (const std::size_t cell : cells) rivals_n[cell] += rivals_n[cell] < kRivals;
+    return false;
+  });
+}
+
+/// Refines each as if it were alone, and drops what the image or the floor refuses.
+void refine_alone(const PoseVerifier& verifier, const Scene& scene,
+                  const RegistrationParameters& parameters, std::vector<PoseHypothesis>& poses,
+                  NearestMiss& nearest_miss) {
+  std::vector<std::optional<Refusal>> refusals(poses.size());
+  parallel_for(poses.size(), [&](std::size_t i) {
+    PoseHypothesis& pose = poses[i];
+    refusals[i] = verifier.refine(pose);
+    if (refusals[i] || !scene.has_floor) return;
+    const double below_m = below_floor_m(verifier, pose, scene.T_camera_floor);
+    if (below_m <= parameters.max_below_floor_m) return;
+    pose.score = 0;
+    refusals[i] =
+        Refusal{&verifier.part(pose), "max_below_floor_m", parameters.max_below_floor_m, below_m};
+  });
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const bool by_floor = refusals[i] && refusals[i]->parameter == "max_below_floor_m";
+    nearest_miss.add(poses[i].fit + (by_floor ? 1 : 0), refusals[i]);
+  }
+  std::erase_if(poses, [](const PoseHypothesis& pose) { return pose.score <= 0; });
+}
+
+std::vector<std::uint32_t> choose(const DepthGrid& grid, const PoseVerifier& verifier,
+                                  const RegistrationParameters& parameters,
+                                  const std::vector<PoseHypothesis>& poses) {
+  std::vector<Candidate> candidates;
+  for (const PoseHypothesis& pose : poses) {
+    const float pixel_m = pose.t_m.z() / grid.fx_px;
+    const auto reach_m = static_cast<float>(kSamePartShare * verifier.part(pose).diameter_m);
+    candidates.push_back({verifier.barycentre_m(pose), reach_m, verifier.explained_area_m2(pose),
+                          pixel_m * pixel_m,
+                          verifier.supporting_cells(pose, parameters.inlier_tolerance_m)});
+  }
+  return choose_explanation(candidates, grid.size());
 }
 
 }  // namespace
@@ -83,52 +108,21 @@ bool is_same_part(const PoseVerifier& verifier, const PoseHypothesis& a, const P
 Explanation explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
                     std::vector<PoseHypothesis> poses, const RegistrationParameters& parameters,
                     const IsLate& is_late) {
-  const auto enqueue = [&](Queue& queue, Entry entry) {
-    const PoseHypothesis& pose = poses[entry.pose];
-    const auto least = static_cast<float>(parameters.min_coarse_score);
-    if (entry.is_refined ? pose.score <= 0 : pose.fit < least) return;
-    entry.area_m2 = verifier.explained_area_m2(pose) * (entry.is_refined ? 1 : kExpectedGain);
-    queue.push(entry);
-  };
-  Queue queue;
-  for (std::size_t i = 0; i < poses.size(); ++i) enqueue(queue, {0, i});
-
-  std::vector<ExplainedPart> accepted;
   NearestMiss nearest_miss;
-  while (!queue.empty() && !is_late()) {
-    Entry entry = queue.pop();
-    PoseHypothesis& pose = poses[entry.pose];
-    const std::size_t now = accepted.size();
-    if (entry.scored_at != now) {
-      const float before = pose.score;
-      if (entry.is_refined) {
-        const auto refusal = verifier.score_finally(pose);
-        nearest_miss.add(pose.fit, refusal);
-      } else {
-        verifier.score(pose, PoseVerifier::kCoarsePoints, parameters.inlier_tolerance_m);
-      }
-      entry.scored_at = now;
-      if (pose.score == before) entry.refined_at = now;  // nothing of it was claimed
-      enqueue(queue, entry);
-    } else if (!entry.is_refined || entry.refined_at != now) {
-      const auto refusal = verifier.refine(pose);
-      nearest_miss.add(pose.fit, refusal);
-      entry.is_refined = true;
-      entry.refined_at = now;
-      enqueue(queue, entry);
-    } else if (std::none_of(accepted.begin(), accepted.end(), [&](const ExplainedPart& other) {
-                 return is_same_part(verifier, pose, other.pose);
-               })) {
-      const double below_m =
-          scene.has_floor ? below_floor_m(verifier, pose, scene.T_camera_floor) : 0;
-      if (below_m > parameters.max_below_floor_m) {
-        nearest_miss.add(1 + pose.fit, Refusal{&verifier.part(pose), "max_below_floor_m",
-                                               parameters.max_below_floor_m, below_m});
-        continue;
-      }
-      accepted.push_back({pose, verifier.explained_cells(pose, kClaimTolerance_m)});
-      grid.claim(accepted.back().cells);
-    }
+  keep_promising(grid, verifier, parameters, poses);
+  refine_alone(verifier, scene, parameters, poses, nearest_miss);
+  sort_by_area(verifier, poses);
+
+  // Once more, each among the others: what one claims hides what lies behind it.
+  std::vector<ExplainedPart> accepted;
+  for (const std::uint32_t i : choose(grid, verifier, parameters, poses)) {
+    if (is_late()) break;
+    PoseHypothesis& pose = poses[i];
+    const auto refusal = verifier.refine(pose);
+    nearest_miss.add(pose.fit, refusal);
+    if (refusal) continue;
+    accepted.push_back({pose, verifier.explained_cells(pose, kClaimTolerance_m)});
+    grid.claim(accepted.back().cells);
   }
   return {std::move(accepted), nearest_miss.refusal()};
 }

@@ -226,17 +226,31 @@ std::optional<Refusal> PoseVerifier::refine(PoseHypothesis& pose) const {
 
 std::vector<std::size_t> PoseVerifier::explained_cells(const PoseHypothesis& pose,
                                                        double tolerance_m) const {
+  // The points are about a pixel apart.
+  const auto stride = static_cast<std::ptrdiff_t>(grid_.width_px);
+  const std::ptrdiff_t around[] = {0, -1, 1, -stride, stride};
+  return open_cells(pose, tolerance_m, around);
+}
+
+std::vector<std::size_t> PoseVerifier::supporting_cells(const PoseHypothesis& pose,
+                                                        double tolerance_m) const {
+  const std::ptrdiff_t itself[] = {0};
+  return open_cells(pose, tolerance_m, itself);
+}
+
+std::vector<std::size_t> PoseVerifier::open_cells(const PoseHypothesis& pose, double tolerance_m,
+                                                  std::span<const std::ptrdiff_t> offsets) const {
   const parts::PointArrays& points = part(pose).registration.points();
   const parts::View& seen = view(pose);
-  const auto stride = static_cast<std::size_t>(grid_.width_px);
   std::vector<bool> is_known(grid_.size(), false);
   std::vector<std::size_t> cells;
+  cells.reserve(seen.points_n);
   for (std::uint32_t i = seen.first; i < seen.first + seen.points_n; ++i) {
     const Eigen::Vector3f p_m = pose.in_camera(points.position_m(i));
     const std::size_t cell = grid_.cell_of(p_m);
     if (cell >= grid_.z_m.size()) continue;
-    // The points are about a pixel apart.
-    for (const std::size_t near : {cell, cell - 1, cell + 1, cell - stride, cell + stride}) {
+    for (const std::ptrdiff_t offset : offsets) {
+      const std::size_t near = cell + static_cast<std::size_t>(offset);
       const bool explained = grid_.is_open(near) &&
                              std::abs(grid_.z_m[near] - p_m.z()) <= static_cast<float>(tolerance_m);
       if (!explained || is_known[near]) continue;

@@ -19,8 +19,9 @@ struct Explanation {
   std::optional<Refusal> refusal;  ///< of the refused pose that came nearest
 };
 
-/// Accepts the pose that explains most of the image, takes that out of the image, and so on: what
-/// an accepted part explains speaks for no other pose. A pose is refined only when it comes first.
+/// The parts that together explain most of the image. Promising poses are refined, each as if it
+/// were alone; of those that the image allows, the set is chosen that explains most; its members
+/// are refined once more, each among the others: what one claims speaks for no other.
 /// \param grid the image; accepted parts claim their cells in it. \param verifier of that grid.
 /// \param poses roughly placed and scored.
 Explanation explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,

@@ -74,10 +74,16 @@ class PoseVerifier {
   /// Of the outline, the share beyond which the same surface goes on.
   float leftover_share(const PoseHypothesis& pose) const;
 
-  /// The cells whose open readings lie within `tolerance_m` of the pose, each once.
+  /// The cells whose open readings lie within `tolerance_m` of the pose, each once: those that its
+  /// points project to.
+  std::vector<std::size_t> supporting_cells(const PoseHypothesis& pose, double tolerance_m) const;
+
+  /// The same with their neighbours.
   std::vector<std::size_t> explained_cells(const PoseHypothesis& pose, double tolerance_m) const;
 
  private:
+  std::vector<std::size_t> open_cells(const PoseHypothesis& pose, double tolerance_m,
+                                      std::span<const std::ptrdiff_t> offsets) const;
   std::optional<Refusal> refusal(const PoseHypothesis& pose) const;
   /// \param support of the points within tolerance, each by its weight.
   void set_score(PoseHypothesis& pose, float support) const;
