@@ -10,6 +10,10 @@ namespace {
 
 /// An axis this near to the vertical has no closing direction of its own.
 constexpr double kVerticalAxis_rad = 1.3;
+/// So many times as far as outside: more than any part is wide from a micrometre on.
+constexpr float kOutside = 1e6F;
+constexpr std::size_t kLanes = 32;  // points at a time
+using Lanes = Eigen::Array<float, kLanes, 1>;
 
 struct AxisExtent {
   double low_m = 0, high_m = 0;
@@ -110,23 +114,34 @@ Eigen::Vector3d grasp_point(std::size_t target, std::span<const PlacedPart> part
 std::optional<double> width_between_jaws_m(const PlacedPart& part,
                                            const Eigen::Isometry3d& T_floor_grasp,
                                            const Gripper& gripper) {
-  const Eigen::Isometry3f T_grasp_part =
-      (T_floor_grasp.inverse() * part.T_floor_part).cast<float>();
-  const Eigen::Matrix3f R = T_grasp_part.linear();
-  const Eigen::Vector3f t_m = T_grasp_part.translation();
+  const Eigen::Matrix4f T_grasp_part =
+      (T_floor_grasp.inverse() * part.T_floor_part).matrix().cast<float>();
   const auto half_jaw_m = static_cast<float>(gripper.jaw_size_m.y() / 2);
   const auto jaw_length_m = static_cast<float>(gripper.jaw_size_m.z());
-  float reach_m = -1;
-  for (const auto& point : part.part->surface) {
-    const Eigen::Vector3f p = R * point.position_m + t_m;
-    // The jaws close on the origin: the wider side decides for both. Without branches, which no
-    // processor foresees here.
-    const bool beside_jaw =
-        (std::abs(p.y()) <= half_jaw_m) & (p.z() <= 0) & (p.z() >= -jaw_length_m);
-    reach_m = std::max(reach_m, beside_jaw ? std::abs(p.x()) : -1);
+  const std::vector<parts::SurfacePoint>& surface = part.part->surface;
+  Lanes x_m, y_m, z_m;
+  const auto along = [&](int axis) -> Lanes {
+    return T_grasp_part(axis, 0) * x_m + T_grasp_part(axis, 1) * y_m + T_grasp_part(axis, 2) * z_m +
+           T_grasp_part(axis, 3);
+  };
+  Lanes reach_m = Lanes::Constant(-1);
+  for (std::size_t first = 0; first < surface.size(); first += kLanes) {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const auto& p_m = surface[std::min(first + k, surface.size() - 1)].position_m;
+      x_m[k] = p_m.x();
+      y_m[k] = p_m.y();
+      z_m[k] = p_m.z();
+    }
+    const Lanes below_m = along(2);
+    const Lanes beside_m = along(1).abs() - half_jaw_m;
+    const Lanes outside_m = beside_m.max(below_m).max(-jaw_length_m - below_m).max(0.0F);
+    // A point outside of what is between the jaws counts for less than nothing.
+    reach_m = reach_m.max(along(0).abs() - kOutside * outside_m);
   }
-  if (reach_m < 0) return std::nullopt;
-  return 2 * static_cast<double>(reach_m);
+  // The jaws close on the origin: the wider side decides for both.
+  const float widest_m = reach_m.maxCoeff();
+  if (widest_m < 0) return std::nullopt;
+  return 2 * static_cast<double>(widest_m);
 }
 
 }  // namespace graspd::perception
