@@ -145,5 +145,27 @@ TEST_F(GraspTest, PartCheckSaysWhatIsWrongWithAMesh) {
   EXPECT_EQ(run(check + path("nowhere.stl")).exit_code, 2);
 }
 
+TEST_F(GraspTest, PartCheckListsThePickPointsThatThePartFileTeachesAndTheMeshHas) {
+  const std::string check = std::string(GRASP_SERVER) + " part check ";
+  const Finished own = run(check + GRASPD_SOURCE_DIR "/deploy/parts/tee/part.yaml");
+  EXPECT_EQ(own.exit_code, 0) << own.output;
+  EXPECT_THAT(own.output, AllOf(HasSubstr("branch_end"), HasSubstr("part file"),
+                                HasSubstr("antipodal_1"), HasSubstr("flat_1")));
+  const Finished mesh = run(check + path("parts/bar/box.stl"));
+  EXPECT_THAT(mesh.output, AllOf(HasSubstr("antipodal_1"), Not(HasSubstr("part file"))));
+
+  std::ofstream(path("parts/bar/wrong.yaml"))
+      << "id: bar\nmesh: box.stl\nmesh_unit: mm\n"
+         "pick_points:\n  - {name: end, position_mm: [500, 0, 0]}\n";
+  const Finished outside = run(check + path("parts/bar/wrong.yaml"));
+  EXPECT_EQ(outside.exit_code, 1);
+  EXPECT_THAT(outside.output, AllOf(HasSubstr("wrong.yaml: pick point 'end': position_mm"),
+                                    HasSubstr("lies outside of the mesh")));
+  std::ofstream(path("parts/bar/wrong.yaml")) << "id: bar\n";
+  const Finished incomplete = run(check + path("parts/bar/wrong.yaml"));
+  EXPECT_EQ(incomplete.exit_code, 2);
+  EXPECT_THAT(incomplete.output, HasSubstr("key 'mesh' is missing"));
+}
+
 }  // namespace
 }  // namespace graspd::testing

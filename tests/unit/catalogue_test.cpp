@@ -75,6 +75,8 @@ TEST(CatalogueHash, ChangesWithEverythingThatCanChangeAnAnswerAndWithNothingElse
       [](Part& p) { p.pick_points[0].closing = Eigen::Vector3d::UnitY(); },
       [](Part& p) { p.pick_points[0].approach_cone_rad = 0.6; },
       [](Part& p) { p.pick_points[0].width_m = 0.01; },
+      [](Part& p) { p.pick_points[0].tip_reach_m = 0.01; },
+      [](Part& p) { p.pick_points[0].is_proposed = true; },
       [](Part& p) { p.pick_points[0].priority = 1; }};
   std::set<std::string> hashes{hash};
   for (const auto& change : changes) hashes.insert(hash_after(change));

@@ -259,13 +259,36 @@ pick_points:
        {"part.yaml:1: 'id' must be made of letters", "part.yaml:4: 'cm' is no unit; known: m | mm",
         "part.yaml:5: unknown key 'colour'", "part.yaml:6: 'color_rgb' must be three whole numbers",
         "part.yaml:9: 'axis' must be a direction", "part.yaml:10: key 'angle_deg' is missing",
-        "part.yaml:12: key 'axis' is missing", "part.yaml:14: 'closing' must be at right angles",
-        "at 135.0°", "part.yaml:15: two pick points are named 'a'",
+        "part.yaml:12: key 'axis' is missing",
+        "part.yaml:14: pick point 'a': 'closing' must be at right angles", "at 135.0°",
+        "part.yaml:15: two pick points are named 'a'",
         "part.yaml:15: 'position_mm' must be a list of 3 numbers",
-        "part.yaml:15: 'approach_cone_deg' must be from 0 to 180",
-        "part.yaml:15: 'width_mm' must not be below 0", "part.yaml:15: 'hand' is no gripper kind",
-        "part.yaml:16: key 'name' is missing", "part.yaml:16: key 'position_mm' is missing",
+        "part.yaml:15: pick point 'a': 'approach_cone_deg' is 200: it must be above 0",
+        "part.yaml:15: pick point 'a': 'width_mm' is -1: it must be from 0",
+        "part.yaml:15: 'hand' is no gripper kind", "part.yaml:16: key 'name' is missing",
+        "part.yaml:16: key 'position_mm' is missing",
         "part.yaml:16: 'approach' must be a direction"}) {
+    EXPECT_THAT(faults, HasSubstr(fault));
+  }
+}
+
+TEST(ReadPartFile, RefusesPickPointsThatCanNotBeGrasped) {
+  const TestFolder folder;
+  const std::string faults = fault_of(folder, R"(id: knob
+mesh: knob.stl
+mesh_unit: mm
+pick_points:
+  - {name: pin, position_mm: [0, 0, 0], approach_cone_deg: 0}
+  - {name: wall, position_mm: [0, 0, 0], width_mm: 301}
+  - {name: antipodal_1, position_mm: [0, 0, 0]}
+  - {name: principal_axis, position_mm: [0, 0, 0]}
+)");
+  for (const char* fault :
+       {"part.yaml:5: pick point 'pin': 'approach_cone_deg' is 0: it must be above 0, or no pose",
+        "part.yaml:6: pick point 'wall': 'width_mm' is 301: it must be from 0, which has it "
+        "measured, to 300, as wide as any gripper opens",
+        "part.yaml:7: 'antipodal_1' is what graspd calls a pick point of its own",
+        "part.yaml:8: 'principal_axis' is what graspd calls"}) {
     EXPECT_THAT(faults, HasSubstr(fault));
   }
 }

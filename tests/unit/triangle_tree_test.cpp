@@ -51,6 +51,62 @@ TEST(TriangleTree, FindsTheNearestPlaceOfAll) {
   }
 }
 
+/// Along the ray, by solving for each triangle; looks at every one.
+double first_hit_m(const Mesh& mesh, const Eigen::Vector3d& from_m,
+                   const Eigen::Vector3d& direction, double beyond_m) {
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const auto& indices : mesh.triangles) {
+    const auto& [a, b, c] = triangle_of(mesh, indices).corners_m;
+    Eigen::Matrix3d system;
+    system << -direction, b - a, c - a;
+    const Eigen::Vector3d suv = system.inverse() * (from_m - a);
+    const bool is_hit = suv[1] >= 0 && suv[2] >= 0 && suv[1] + suv[2] <= 1 && suv[0] > beyond_m;
+    if (is_hit) nearest_m = std::min(nearest_m, suv[0]);
+  }
+  return nearest_m;
+}
+
+TEST(TriangleTree, FindsTheFirstTriangleOnARayOfAll) {
+  std::mt19937 random(5);
+  int hits_n = 0;
+  for (const float side_m : {0.2F, 1.5F}) {
+    for (const int triangles_n : {1, 40, 300}) {
+      const Mesh mesh = random_triangles(random, triangles_n, side_m);
+      const TriangleTree tree = tree_of(mesh);
+      for (int i = 0; i < 50; ++i) {
+        const Eigen::Vector3d from_m = testing::random_point(random, 2).cast<double>();
+        const Eigen::Vector3d direction =
+            (testing::random_point(random, 1).cast<double>() - from_m).normalized();
+        const double beyond_m = i % 2 == 0 ? 0 : 0.5;
+        const auto hit = tree.first_hit(from_m, direction, beyond_m);
+        const double brute_m = first_hit_m(mesh, from_m, direction, beyond_m);
+        if (std::isinf(brute_m)) {
+          EXPECT_EQ(hit.triangle, nullptr);
+        } else {
+          ++hits_n;
+          EXPECT_NEAR(hit.distance_m, brute_m, 1e-6);
+          ASSERT_NE(hit.triangle, nullptr);
+        }
+      }
+    }
+  }
+  EXPECT_GT(hits_n, 50);
+}
+
+TEST(TriangleTree, RaysAlongAxesMeetFacesEdgesAndCornersOfABox) {
+  const TriangleTree tree(box_mesh({0, 0, 0}, {0.5F, 0.5F, 0.5F}, 2));
+  for (const double y : {0.0, 0.1, 0.25, 0.5}) {  // faces, inner edges, and along outer faces
+    for (const double z : {0.0, 0.25, 0.3, 0.5}) {
+      const auto hit = tree.first_hit({-1, y, z}, Eigen::Vector3d::UnitX());
+      EXPECT_NEAR(hit.distance_m, 1, 1e-9) << y << " " << z;
+      const auto second = tree.first_hit({-1, y, z}, Eigen::Vector3d::UnitX(), 1.4);
+      EXPECT_NEAR(second.distance_m, 1.5, 1e-9) << y << " " << z;
+    }
+  }
+  EXPECT_EQ(tree.first_hit({-1, 0.6, 0.1}, Eigen::Vector3d::UnitX()).triangle, nullptr);
+  EXPECT_EQ(tree.first_hit({-1, 0.1, 0.1}, -Eigen::Vector3d::UnitX()).triangle, nullptr);
+}
+
 TEST(TriangleTree, CutsLongTrianglesAndKeepsTheirArea) {
   const Mesh bar = box_mesh({0, 0, 0}, {1, 0.01F, 0.01F});
   const TriangleTree tree = tree_of(bar);

@@ -32,9 +32,10 @@ class ContentHash {
     for (const Scalar value : vector) add(static_cast<double>(value));
   }
   /// To 1e-9: the last bit of a sine is not the same on every machine.
-  template <class Matrix>
-  void add_rounded(const Matrix& matrix) {
-    for (const double value : matrix.reshaped()) add(std::int64_t{std::llround(value * 1e9)});
+  void add_rounded(double value) { add(std::int64_t{std::llround(value * 1e9)}); }
+  template <class Derived>
+  void add_rounded(const Eigen::MatrixBase<Derived>& matrix) {
+    for (const double value : matrix.reshaped()) add_rounded(value);
   }
   void add_size(std::size_t size) { add(static_cast<std::int64_t>(size)); }
 
@@ -67,13 +68,15 @@ void add_symmetries(ContentHash& hash, const Symmetries& symmetries) {
 
 void add_pick_point(ContentHash& hash, const PickPoint& point) {
   hash.add(point.name);
-  hash.add(point.position_m);
-  hash.add(point.approach);
-  hash.add(point.closing);
-  hash.add(point.approach_cone_rad);
-  hash.add(point.width_m);
-  hash.add(point.priority);
+  hash.add_rounded(point.position_m);
+  hash.add_rounded(point.approach);
+  hash.add_rounded(point.closing);
+  hash.add_rounded(point.approach_cone_rad);
+  hash.add_rounded(point.tip_reach_m);
+  hash.add_rounded(point.width_m);
+  hash.add_rounded(point.priority);
   hash.add(point.gripper);
+  hash.add(std::int64_t{point.is_proposed});
 }
 
 std::string hash_of(const std::vector<Part>& parts) {

@@ -1,10 +1,14 @@
 #include "graspd/parts/part.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "length_unit.hpp"
 #include "mesh_geometry.hpp"
 #include "mesh_topology.hpp"
+#include "pick_point_images.hpp"
+#include "propose_pick_points.hpp"
+#include "taught_pick_points.hpp"
 
 namespace graspd::parts {
 namespace {
@@ -27,6 +31,28 @@ void turn_outwards(Mesh& mesh) {
     turn_over(mesh.triangles[i]);
   }
   if (is_inside_out(mesh)) std::ranges::for_each(mesh.triangles, turn_over);
+}
+
+/// The taught ones, then the proposed ones below any of their priorities, all with their images.
+std::vector<PickPoint> with_images(const std::vector<PickPoint>& taught,
+                                   std::vector<PickPoint> proposed, const Symmetries& symmetries) {
+  double lowest = 0;
+  for (const PickPoint& point : taught) lowest = std::min(lowest, point.priority);
+  // At half of their quality, so that no approach nearer to vertical makes up for the difference.
+  for (PickPoint& point : proposed) point.priority = lowest - 1 + point.priority / 2;
+  const auto turns = turns_of(symmetries);
+  std::vector<PickPoint> all;
+  const auto add_unless_known = [&all](PickPoint& image) {
+    const bool is_known = std::ranges::any_of(
+        all, [&](const PickPoint& known) { return is_same_grasp(known, image); });
+    if (!is_known) all.push_back(std::move(image));
+  };
+  for (const auto* points : {&taught, &std::as_const(proposed)}) {
+    for (const PickPoint& point : *points) {
+      for (PickPoint& image : images_of(point, turns)) add_unless_known(image);
+    }
+  }
+  return all;
 }
 
 }  // namespace
@@ -60,7 +86,9 @@ Result<Part> make_part(const PartDescription& description) {
   part.symmetries = description.symmetries ? *description.symmetries : find_symmetries(*mesh);
   part.registration = RegistrationModel(*mesh, part.symmetries);
   part.mesh = std::move(*mesh);
-  part.pick_points = description.pick_points;
+  auto taught = taught_pick_points(description, part.mesh);
+  if (!taught) return tl::unexpected(taught.error());
+  part.pick_points = with_images(*taught, propose_pick_points(part), part.symmetries);
   part.color_rgb = description.color_rgb;
   return part;
 }

@@ -15,6 +15,8 @@ constexpr double kMetresPerMm = 1e-3;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 // Axes are typed by hand, with few digits.
 constexpr double kMaxSkewCosine = 0.02;
+// Long-stroke parallel grippers open to 0.3 m.
+constexpr double kWidestGripper_m = 0.3;
 
 bool is_id(const std::string& id) {
   return !id.empty() && std::all_of(id.begin(), id.end(), [](unsigned char c) {
@@ -80,12 +82,18 @@ Symmetries read_symmetries(YamlMap map) {
 void square_up(YamlMap& map, PickPoint& point) {
   const double cosine = point.closing.dot(point.approach);
   if (std::abs(cosine) > kMaxSkewCosine) {
-    map.fault("closing", fmt::format("'closing' must be at right angles to 'approach'; it is at "
-                                     "{:.1f}°",
-                                     std::acos(std::clamp(cosine, -1.0, 1.0)) / kRadPerDeg));
+    map.fault("closing",
+              fmt::format("pick point '{}': 'closing' must be at right angles to "
+                          "'approach'; it is at {:.1f}°",
+                          point.name, std::acos(std::clamp(cosine, -1.0, 1.0)) / kRadPerDeg));
     return;
   }
   point.closing = (point.closing - cosine * point.approach).normalized();
+}
+
+/// The names of what is not taught.
+bool is_reserved(const std::string& name) {
+  return name == "principal_axis" || name.starts_with("antipodal_") || name.starts_with("flat_");
 }
 
 PickPoint read_pick_point(YamlMap map) {
@@ -101,10 +109,18 @@ PickPoint read_pick_point(YamlMap map) {
   map.optional("width_mm", width_mm);
   map.optional("priority", point.priority);
   map.optional("gripper", point.gripper);
-  if (cone_deg < 0 || cone_deg > 180) {
-    map.fault("approach_cone_deg", "'approach_cone_deg' must be from 0 to 180");
+  if (!(cone_deg > 0 && cone_deg <= 180)) {
+    map.fault("approach_cone_deg",
+              fmt::format("pick point '{}': 'approach_cone_deg' is {}: it must be above 0, or no "
+                          "pose of the part can be grasped there, and at most 180, which is any "
+                          "approach",
+                          point.name, cone_deg));
   }
-  if (width_mm < 0) map.fault("width_mm", "'width_mm' must not be below 0");
+  if (!(width_mm >= 0 && width_mm <= kWidestGripper_m / kMetresPerMm)) {
+    map.fault("width_mm", fmt::format("pick point '{}': 'width_mm' is {}: it must be from 0, which "
+                                      "has it measured, to {}, as wide as any gripper opens",
+                                      point.name, width_mm, kWidestGripper_m / kMetresPerMm));
+  }
   if (!point.gripper.empty() && !parse_enum<GripperKind>(point.gripper)) {
     map.fault("gripper", fmt::format("'{}' is no {}; known: {}", point.gripper,
                                      EnumNames<GripperKind>::what, names_of<GripperKind>()));
@@ -120,8 +136,14 @@ std::vector<PickPoint> read_pick_points(YamlMap root) {
   std::set<std::string> names;
   for (YamlMap& entry : root.list_of_maps("pick_points")) {
     points.push_back(read_pick_point(entry));
-    if (!names.insert(points.back().name).second) {
-      entry.fault("name", fmt::format("two pick points are named '{}'", points.back().name));
+    const std::string& name = points.back().name;
+    if (!names.insert(name).second) {
+      entry.fault("name", fmt::format("two pick points are named '{}'", name));
+    }
+    if (is_reserved(name)) {
+      entry.fault("name", fmt::format("'{}' is what graspd calls a pick point of its own; teach it "
+                                      "by another name",
+                                      name));
     }
   }
   return points;
@@ -148,6 +170,7 @@ Result<PartDescription> read_part_file(const std::filesystem::path& path) {
   YamlDocument document(path);
   YamlMap root = document.root();
   PartDescription part;
+  part.file = path;
   root.required("id", part.id);
   part.name = part.id;
   root.optional("name", part.name);

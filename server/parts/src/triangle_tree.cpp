@@ -12,6 +12,8 @@ constexpr std::size_t kLeafTriangles = 4;
 // Of the whole surface's box. The box of a long thin triangle is mostly empty, so that a search
 // would look into many: triangles with longer edges are cut.
 constexpr double kMaxEdge = 0.2;
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kBoxMargin_m = 1e-9;  // the box of a triangle across an axis has no thickness
 
 /// Christer Ericson, Real-Time Collision Detection (2005), 5.1.5: which corner, edge or inside the
 /// point lies over is told by the signs of barycentric coordinates.
@@ -37,12 +39,50 @@ Eigen::Vector3d closest_point_m(const Triangle& triangle, const Eigen::Vector3d&
   return a + (vb * ab + vc * ac) / (va + vb + vc);
 }
 
+/// Along a ray of unit direction (Möller and Trumbore 1997); infinite where it misses.
+double ray_distance_m(const Triangle& triangle, const Eigen::Vector3d& from_m,
+                      const Eigen::Vector3d& direction) {
+  constexpr double kEdge = 1e-9;  // a ray through an edge must not slip between two triangles
+  const auto& [a, b, c] = triangle.corners_m;
+  const Eigen::Vector3d across = direction.cross(c - a);
+  const double determinant = across.dot(b - a);
+  if (determinant == 0) return kNever;
+  const double u = across.dot(from_m - a) / determinant;
+  const Eigen::Vector3d up = (from_m - a).cross(b - a);
+  const double v = direction.dot(up) / determinant;
+  return u < -kEdge || v < -kEdge || u + v > 1 + kEdge ? kNever : up.dot(c - a) / determinant;
+}
+
+/// Where a ray enters a box (slab method); infinite where it passes by.
+/// \param inverse 1 over each coordinate of the direction; infinite where the ray runs along a
+/// slab.
+double entry_m(const Eigen::AlignedBox3d& box_m, const Eigen::Vector3d& from_m,
+               const Eigen::Vector3d& inverse) {
+  double enter_m = 0;
+  double leave_m = kNever;
+  for (int axis = 0; axis < 3; ++axis) {
+    // The margin keeps 0 · ∞ away from rays that start in a side of the box.
+    const double a_m = (box_m.min()[axis] - kBoxMargin_m - from_m[axis]) * inverse[axis];
+    const double b_m = (box_m.max()[axis] + kBoxMargin_m - from_m[axis]) * inverse[axis];
+    enter_m = std::max(enter_m, std::min(a_m, b_m));
+    leave_m = std::min(leave_m, std::max(a_m, b_m));
+  }
+  return enter_m <= leave_m ? enter_m : kNever;
+}
+
 Eigen::AlignedBox3d box_of(std::span<const Triangle> triangles) {
   Eigen::AlignedBox3d box;
   for (const Triangle& triangle : triangles) {
     for (const Eigen::Vector3d& corner_m : triangle.corners_m) box.extend(corner_m);
   }
   return box;
+}
+
+std::vector<Triangle> triangles_of(const Mesh& mesh) {
+  std::vector<Triangle> triangles;
+  triangles.reserve(mesh.triangles.size());
+  for (const auto& indices : mesh.triangles) triangles.push_back(triangle_of(mesh, indices));
+  return triangles;
 }
 
 /// Halves longest edges, and the triangles with them, until none is longer.
@@ -72,6 +112,8 @@ TriangleTree::TriangleTree(std::vector<Triangle> triangles) : triangles_(std::mo
   nodes_.reserve(2 * triangles_.size() / kLeafTriangles + 1);
   if (!triangles_.empty()) build(0, triangles_.size());
 }
+
+TriangleTree::TriangleTree(const Mesh& mesh) : TriangleTree(triangles_of(mesh)) {}
 
 std::size_t TriangleTree::build(std::size_t begin, std::size_t end) {
   const std::size_t index = nodes_.size();
@@ -114,6 +156,24 @@ void TriangleTree::search(std::size_t index, const Eigen::Vector3d& p_m, double 
   }
 }
 
+void TriangleTree::search(std::size_t index, const Ray& ray, double beyond_m, Hit& best) const {
+  const Node& node = nodes_[index];
+  if (node.left == 0) {
+    for (std::size_t k = node.begin; k < node.end; ++k) {
+      const double distance_m = ray_distance_m(triangles_[k], ray.from_m, ray.direction);
+      if (distance_m > beyond_m && distance_m < best.distance_m)
+        best = {distance_m, &triangles_[k]};
+    }
+    return;
+  }
+  std::pair nearer{entry_m(nodes_[node.left].box_m, ray.from_m, ray.inverse), node.left};
+  std::pair farther{entry_m(nodes_[node.right].box_m, ray.from_m, ray.inverse), node.right};
+  if (farther.first < nearer.first) std::swap(nearer, farther);
+  for (const auto& [enter_m, child] : {nearer, farther}) {
+    if (enter_m < best.distance_m) search(child, ray, beyond_m, best);
+  }
+}
+
 bool TriangleTree::is_within(const Eigen::Vector3d& p_m, double distance_m) const {
   Foot best;
   best.squared_distance_m2 = distance_m * distance_m;
@@ -124,6 +184,13 @@ bool TriangleTree::is_within(const Eigen::Vector3d& p_m, double distance_m) cons
 TriangleTree::Foot TriangleTree::nearest(const Eigen::Vector3d& p_m) const {
   Foot best;
   if (!nodes_.empty()) search(0, p_m, 0, best);
+  return best;
+}
+
+TriangleTree::Hit TriangleTree::first_hit(const Eigen::Vector3d& from_m,
+                                          const Eigen::Vector3d& direction, double beyond_m) const {
+  Hit best;
+  if (!nodes_.empty()) search(0, {from_m, direction, direction.cwiseInverse()}, beyond_m, best);
   return best;
 }
 

@@ -101,13 +101,17 @@ void visit(perception::GrsParameters& p, Visitor& section) {
 
 template <class Visitor>
 void visit(perception::GraspParameters& p, Visitor& section) {
-  auto& [k3, k4, axis_step_m, max_tilt_rad, tilt_step_rad, max_grasps_n] = p;
+  auto& [k3, k4, axis_step_m, max_tilt_rad, max_taught_tilt_rad, tilt_step_rad,
+         principal_axis_priority, max_grasps_n, tries_per_part_n] = p;
   section.number("k3", k3, -1e6, 1e6);
   section.number("k4", k4, -1e6, 1e6);
   section.number("axis_step_m", axis_step_m, 1e-4, 0.1);
   section.number("max_tilt_rad", max_tilt_rad, 0, M_PI / 2);
+  section.number("max_taught_tilt_rad", max_taught_tilt_rad, 0, M_PI / 2);
   section.number("tilt_step_rad", tilt_step_rad, 0.01, M_PI / 2);
+  section.number("principal_axis_priority", principal_axis_priority, -1e6, 1e6);
   section.number("max_grasps_n", max_grasps_n, 1, 1000);
+  section.number("tries_per_part_n", tries_per_part_n, 1, 1000);
 }
 
 template <class Visitor>

@@ -9,22 +9,11 @@
 #include <vector>
 
 #include "graspd/parts/mesh.hpp"
+#include "graspd/parts/pick_point.hpp"
 #include "graspd/parts/registration_model.hpp"
 #include "graspd/parts/symmetries.hpp"
 
 namespace graspd::parts {
-
-/// A place to grasp, taught in the part file, in the part frame.
-struct PickPoint {
-  std::string name;
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d approach = -Eigen::Vector3d::UnitZ();  ///< unit, into the part
-  Eigen::Vector3d closing = Eigen::Vector3d::UnitX();    ///< unit, jaw to jaw
-  double approach_cone_rad = 0.5;                        ///< half angle that is allowed
-  double width_m = 0;                                    ///< of the part between the jaws
-  double priority = 0;
-  std::string gripper;  ///< kind it is for; empty: any
-};
 
 struct Part {
   std::string id;
@@ -37,6 +26,7 @@ struct Part {
   /// Principal axes of the surface as columns, longest extent first, right-handed.
   Eigen::Matrix3d principal_axes = Eigen::Matrix3d::Identity();
   Symmetries symmetries;
+  /// The taught ones, then the proposed ones, each followed by its images under the symmetries.
   std::vector<PickPoint> pick_points;
   std::array<std::uint8_t, 3> color_rgb{200, 200, 200};
   std::vector<SurfacePoint> surface;  ///< the template: points about a pixel of the sensor apart
@@ -46,6 +36,7 @@ struct Part {
 
 /// What a part is besides its mesh: the content of part.yaml.
 struct PartDescription {
+  std::filesystem::path file;  ///< it was read from
   std::string id;
   std::string name;
   int bop_obj_id = 0;
@@ -58,7 +49,7 @@ struct PartDescription {
 
 /// Computes everything that is derived from the mesh.
 /// \returns INVALID_ARGUMENT where the mesh can't be a part: no triangles, or a size that says that
-/// its unit is wrong (below 2 mm or above 2 m).
+/// its unit is wrong (below 2 mm or above 2 m); and where a taught pick point contradicts the mesh.
 Result<Part> make_part(const PartDescription& description);
 
 /// Reads part.yaml and the mesh beside it.

@@ -7,24 +7,13 @@
 
 #include "graspd/perception/grs.hpp"
 #include "graspd/perception/parameters.hpp"
+#include "graspd/perception/principal_axis.hpp"
 #include "graspd/types/answer.hpp"
 #include "graspd/types/request.hpp"
 
 /// Grasp position, angle and opening width (the paper, III-D.2). All in the floor's frame: z up,
 /// origin on the floor, where a bin is given at its centre.
 namespace graspd::perception {
-
-/// x̃ = arg min k₃·de(x) + k₄·dn(x) over the principal axis (eq. 10); de(x) the distance to the
-/// barycentre, dn(x) to the nearest template point of another part.
-/// \returns the point on the axis. Alone in the bin, a part is grasped at its barycentre.
-Eigen::Vector3d grasp_point(std::size_t target, std::span<const PlacedPart> parts,
-                            const GraspParameters& parameters);
-
-/// How wide the part is between the jaws: the extent along x of the template points that lie
-/// between them. \returns nothing where there are none.
-std::optional<double> width_between_jaws_m(const PlacedPart& part,
-                                           const Eigen::Isometry3d& T_floor_grasp,
-                                           const Gripper& gripper);
 
 /// Whether jaws and palm stay inside the bin's walls and above its floor.
 bool gripper_inside_bin(const Eigen::Isometry3d& T_floor_grasp, double opening_width_m,

@@ -85,10 +85,13 @@ struct GrsParameters {
 struct GraspParameters {
   double k3 = 1.0;   ///< of the distance to the barycentre
   double k4 = -0.5;  ///< of the distance to the nearest other object; below 0: farther is better
-  double axis_step_m = 0.002;  ///< between the points on the principal axis that are tried
-  double max_tilt_rad = 0.6;   ///< of the approach from the vertical, where walls are near
-  double tilt_step_rad = 0.1;
+  double axis_step_m = 0.002;           ///< between the points on the principal axis that are tried
+  double max_tilt_rad = 0.6;            ///< of the approach from the vertical
+  double max_taught_tilt_rad = 1.0;     ///< where a taught point's cone allows no steeper approach
+  double tilt_step_rad = 0.3;           ///< between the approaches that are tried
+  double principal_axis_priority = -3;  ///< of the paper's grasp, among those of taught points
   int max_grasps_n = 32;
+  int tries_per_part_n = 24;  ///< candidates that are checked, the preferred ones first
 };
 
 struct DisplacementParameters {
