@@ -11,6 +11,7 @@
 #include "graspd/perception/preprocess.hpp"
 #include "graspd/sim_cell/scene.hpp"
 #include "peers/peers.hpp"
+#include "piles.hpp"
 
 namespace graspd::bench {
 namespace {
@@ -46,10 +47,8 @@ class Frames {
                                const PerceptionOptions& options) {
     Frames frames;
     for (const double height_m : kCameraHeights_m) {
-      sim_cell::SceneOptions scene;
-      scene.parts = {{part.id, options.parts_per_frame_n}};
+      sim_cell::SceneOptions scene = pile_of(part, options.parts_per_frame_n, height_m);
       scene.seed = options.seed;
-      scene.camera_height_m = height_m;
       auto maker = sim_cell::SceneMaker::create(catalogue, scene);
       if (!maker) return tl::unexpected(maker.error());
       frames.makers_.push_back(*std::move(maker));
@@ -96,16 +95,16 @@ class PartBench {
     blank.part_id = part_.id;
     blank.frame = image.im_id;
     blank.camera_height_m = camera_height_m;
+    const perception::Parameters parameters = calibrated({});
     const perception::Cloud cloud =
-        perception::preprocess(image.frame, request, part_.diameter_m, {}).cloud;
-    segment(image, perception::prepare_scene(image.frame, request, part_.diameter_m, {}).cloud,
-            blank, runs);
+        perception::prepare_scene(image.frame, request, part_.diameter_m, parameters).cloud;
+    segment(image, cloud, blank, runs);
 
-    perception::Parameters paper;
+    perception::Parameters paper = parameters;
     paper.segmentation.method = Segmentation::kImprovedDbscan;
     paper.registration.method = Registration::kPcaIcp;
-    if (auto ok = plan(image, request, kGraspd, {}, 1, blank, runs); !ok) return ok;
-    if (auto ok = plan(image, request, kGraspd2, {}, 2, blank, runs); !ok) return ok;
+    if (auto ok = plan(image, request, kGraspd, parameters, 1, blank, runs); !ok) return ok;
+    if (auto ok = plan(image, request, kGraspd2, parameters, 2, blank, runs); !ok) return ok;
     if (auto ok = plan(image, request, kPaper, paper, 1, blank, runs); !ok) return ok;
     if (with_peers) find(image, cloud, blank, runs);
     return {};
@@ -163,8 +162,7 @@ class PartBench {
     run.task = kPoses;
     run.objects_n = accuracy.objects_n();
     run.found_n = accuracy.found_n();
-    run.answers_n = accuracy.answers_n();
-    run.right_n = accuracy.right_n();
+    run.poses = accuracy;
     runs.push_back(std::move(run));
   }
 
