@@ -17,7 +17,7 @@ void count(std::size_t size) {
 }  // namespace
 
 // glibc's own names for what it does behind these functions.
-// NOLINTBEGIN(bugprone-reserved-identifier, readability-inconsistent-declaration-parameter-name)
+// NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming)
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
@@ -50,7 +50,7 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) noexce
   return *block == nullptr ? ENOMEM : 0;
 }
 }
-// NOLINTEND(bugprone-reserved-identifier, readability-inconsistent-declaration-parameter-name)
+// NOLINTEND(bugprone-reserved-identifier, readability-identifier-naming)
 
 namespace graspd::bench {
 
