@@ -1,8 +1,8 @@
 /// The memory of a worker process of a grasp server that runs, over many frames.
 ///
-/// Light frames, a few parts seen by a small sensor, and every so many a heavy one: a pile of one
-/// kind of part under a Kinect v2, or of all, asked for together. The same frames come again and
-/// again, so that what grows is not what is looked at.
+/// Light frames, a few parts in the bin, and every so many a heavy one: a pile of one kind of part,
+/// or of all, asked for together. The same frames come again and again, so that what grows is not
+/// what is looked at.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -24,9 +24,6 @@ namespace {
 constexpr int kLightFrames = 4;  ///< of each part
 constexpr int kHeavyFrames = 2;
 constexpr std::chrono::seconds kBudget{60};
-
-/// What a Kinect v2 sees of the bin, and next to nothing else.
-const CameraIntrinsics kSmallSensor{176, 144, 365.5, 365.5, 88, 72, {}};
 
 struct Options {
   std::filesystem::path parts = "deploy/parts";
@@ -81,9 +78,7 @@ Questions make_questions(const Options& options) {
   sim_cell::SceneOptions mixed;
   const auto kinds_n = static_cast<int>(catalogue->parts().size());
   for (const parts::Part& part : catalogue->parts()) {
-    sim_cell::SceneOptions few = pile_of(part, options.light_parts_n);
-    few.sensor.camera = kSmallSensor;
-    add_questions(few, kLightFrames, *catalogue, questions.light);
+    add_questions(pile_of(part, options.light_parts_n), kLightFrames, *catalogue, questions.light);
     add_questions(pile_of(part, options.heavy_parts_n), kHeavyFrames, *catalogue, questions.heavy);
     mixed.parts.push_back({part.id, options.heavy_parts_n / kinds_n});
   }
