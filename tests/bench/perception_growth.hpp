@@ -22,7 +22,7 @@ struct GrowthRun {
   int visible_n = 0;
   int answers_n = 0;
   int points_n = 0;
-  double time_ms = 0;  ///< frame to ranked grasps
+  double time_ms = 0;  ///< of the processor, frame to ranked grasps
 };
 
 /// Piles of 5 to 100 of one part in a bin that has room for all of them.
