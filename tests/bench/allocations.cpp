@@ -25,7 +25,7 @@ struct Options {
   std::filesystem::path parts = "deploy/parts";
   std::filesystem::path out = "build/bench";
   int parts_per_frame_n = 45;
-  int frames_n = 5;
+  int frames_n = 2;
   int warm_up_n = 2;
   std::uint64_t seed = 1;
 };
