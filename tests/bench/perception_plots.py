@@ -13,6 +13,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import LogLocator
 
 TITLES = {
     "poses": "Parts found with their pose (MSSD < 0.1 diameters)",
@@ -55,7 +56,8 @@ def draw_methods(rows, png_path):
         axes.grid(True, which="both", alpha=0.3)
         axes.margins(x=0.1)
         axes.xaxis.set_major_formatter("{x:g}")
-        axes.xaxis.set_minor_formatter("{x:g}" if task == "segmentation" else "")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_minor_formatter("")
         axes.legend(fontsize=8, loc="upper right" if task == "segmentation" else "center left")
     panels[0].set_ylabel("recall, %")
     figure.suptitle("graspd in blue; PCL, OpenCV and Open3D in orange", fontsize=10)
@@ -72,7 +74,10 @@ def draw_growth(rows, png_path):
     axes.plot(*zip(*(run for number in runs.values() for run in number)), ".", color="#999999",
               label="one frame")
     axes.plot(*zip(*medians), "o-", color="#0072b2", label="median")
-    axes.plot(*zip(medians[0], medians[-1]), "--", color="#d55e00", label="a straight line")
+    first_parts, first_ms = medians[0]
+    last_parts = medians[-1][0]
+    axes.plot([0, last_parts], [0, last_parts * first_ms / first_parts], "--", color="#d55e00",
+              label="linear, from the first")
     axes.set(xlabel="tees in the bin", ylabel="frame to grasps on one core, ms", xlim=(0, None),
              ylim=(0, None))
     axes.grid(True, alpha=0.3)
