@@ -16,6 +16,7 @@
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/eval/mesh_part.hpp"
 #include "graspd/sim_cell/scene.hpp"
+#include "piles.hpp"
 
 namespace graspd::bench {
 namespace {
@@ -71,10 +72,8 @@ Result<Measured> measure(const Kinds& kinds, const parts::Catalogue& catalogue,
     if (!image) return tl::unexpected(image.error());
     image->instance.reset();  // segments are table1's
     const PlanRequest request = eval::request_for(*image, catalogue, ids);
-    perception::Parameters calibrated = parameters;
-    calibrated.preprocess.wall_bow_m = scene.sensor.wall_bow_m;
-    calibrated.preprocess.wall_reach_m = scene.sensor.wall_reach_m;
-    const auto report = eval::evaluate_image(*image, 0, request, catalogue, calibrated);
+    const auto report =
+        eval::evaluate_image(*image, 0, request, catalogue, calibrated(scene.sensor, parameters));
     if (!report) return fail(report.error().code, "frame {}: {}", k, report.error().message);
     if (report->poses) {
       add_records(*report->poses, {k, scene}, catalogue, records);

@@ -1,4 +1,8 @@
-"""Time against recall for each method of `./run bench perception`: perception_plots.py CSV PNG"""
+"""Draws what `./run bench perception` measured: perception_plots.py FOLDER
+
+perception.png: time against recall for each method; perception_growth.png: time of a plan over the
+number of parts.
+"""
 
 import csv
 import statistics
@@ -9,6 +13,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import LogLocator
 
 TITLES = {
     "poses": "Parts found with their pose (MSSD < 0.1 diameters)",
@@ -19,11 +24,15 @@ THEIRS = ("pcl", "opencv", "open3d", "euclidean", "region")
 
 
 def read(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def by_method(rows):
     """{task: {method: [row, …]}}"""
     runs = defaultdict(lambda: defaultdict(list))
-    with open(path, newline="") as file:
-        for row in csv.DictReader(file):
-            runs[row["task"]][row["method"]].append(row)
+    for row in rows:
+        runs[row["task"]][row["method"]].append(row)
     return runs
 
 
@@ -39,20 +48,48 @@ def draw(axes, methods):
                   label=f"{name.replace('_', ' ')}: {median_ms[name]:,.1f} ms")
 
 
-def main(csv_path, png_path):
+def draw_methods(rows, png_path):
     figure, panels = plt.subplots(1, 2, figsize=(12, 5), sharey=True)
-    for axes, (task, methods) in zip(panels, sorted(read(csv_path).items())):
+    for axes, (task, methods) in zip(panels, sorted(by_method(rows).items())):
         draw(axes, methods)
         axes.set(title=TITLES[task], xscale="log", xlabel="median time of a frame, ms", ylim=(-3, 105))
         axes.grid(True, which="both", alpha=0.3)
         axes.margins(x=0.1)
         axes.xaxis.set_major_formatter("{x:g}")
-        axes.xaxis.set_minor_formatter("{x:g}" if task == "segmentation" else "")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_minor_formatter("")
         axes.legend(fontsize=8, loc="upper right" if task == "segmentation" else "center left")
     panels[0].set_ylabel("recall, %")
     figure.suptitle("graspd in blue; PCL, OpenCV and Open3D in orange", fontsize=10)
     figure.tight_layout()
     figure.savefig(png_path, dpi=110)
+
+
+def draw_growth(rows, png_path):
+    runs = defaultdict(list)
+    for row in rows:
+        runs[int(row["parts_dropped"])].append((int(row["parts"]), float(row["ms"])))
+    medians = [tuple(map(statistics.median, zip(*runs[number]))) for number in sorted(runs)]
+    figure, axes = plt.subplots(figsize=(7, 4.5))
+    axes.plot(*zip(*(run for number in runs.values() for run in number)), ".", color="#999999",
+              label="one frame")
+    axes.plot(*zip(*medians), "o-", color="#0072b2", label="median")
+    first_parts, first_ms = medians[0]
+    last_parts = medians[-1][0]
+    axes.plot([0, last_parts], [0, last_parts * first_ms / first_parts], "--", color="#d55e00",
+              label="linear, from the first")
+    axes.set(xlabel="tees in the bin", ylabel="frame to grasps on one core, ms", xlim=(0, None),
+             ylim=(0, None))
+    axes.grid(True, alpha=0.3)
+    axes.legend(loc="upper left")
+    figure.tight_layout()
+    figure.savefig(png_path, dpi=110)
+
+
+def main(folder):
+    for name, draw_png in (("perception", draw_methods), ("perception_growth", draw_growth)):
+        draw_png(read(f"{folder}/{name}.csv"), f"{folder}/{name}.png")
+        print(f"picture: {folder}/{name}.png")
 
 
 if __name__ == "__main__":

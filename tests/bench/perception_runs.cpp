@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
+#include <ctime>
 
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/perception/planner.hpp"
 #include "graspd/perception/preprocess.hpp"
 #include "graspd/sim_cell/scene.hpp"
 #include "peers/peers.hpp"
+#include "piles.hpp"
 
 namespace graspd::bench {
 namespace {
@@ -29,13 +30,12 @@ constexpr std::pair<const char*, PoseFinder (*)(const parts::Part&)> kPosePeers[
     {"pcl_ndt_icp", pcl_ndt_icp},       {"pcl_ppf_icp", pcl_ppf_icp},
     {"opencv_ppf_icp", opencv_ppf_icp}, {"open3d_fpfh_icp", open3d_fpfh_icp}};
 
-/// What `work` returns, and how long it took.
+/// What `work` returns, and what it took of the processor.
 template <class Work>
 auto timed(double& time_ms, Work work) {
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   auto result = work();
-  time_ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  time_ms = 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   return result;
 }
 
@@ -46,10 +46,8 @@ class Frames {
                                const PerceptionOptions& options) {
     Frames frames;
     for (const double height_m : kCameraHeights_m) {
-      sim_cell::SceneOptions scene;
-      scene.parts = {{part.id, options.parts_per_frame_n}};
+      sim_cell::SceneOptions scene = pile_of(part, options.parts_per_frame_n, height_m);
       scene.seed = options.seed;
-      scene.camera_height_m = height_m;
       auto maker = sim_cell::SceneMaker::create(catalogue, scene);
       if (!maker) return tl::unexpected(maker.error());
       frames.makers_.push_back(*std::move(maker));
@@ -88,7 +86,7 @@ class PartBench {
     for (const auto& [name, prepare] : kPosePeers) peers_.emplace_back(name, prepare(part));
   }
 
-  /// \param with_peers their pipelines too, which take seconds.
+  /// \param with_peers their pipelines and the paper's too, which take seconds.
   Result<void> measure(const BopImage& image, double camera_height_m, bool with_peers,
                        std::vector<Run>& runs) const {
     const PlanRequest request = eval::request_for(image, catalogue_, {part_.id});
@@ -96,19 +94,19 @@ class PartBench {
     blank.part_id = part_.id;
     blank.frame = image.im_id;
     blank.camera_height_m = camera_height_m;
+    const perception::Parameters parameters = calibrated({});
     const perception::Cloud cloud =
-        perception::preprocess(image.frame, request, part_.diameter_m, {}).cloud;
-    segment(image, perception::prepare_scene(image.frame, request, part_.diameter_m, {}).cloud,
-            blank, runs);
+        perception::prepare_scene(image.frame, request, part_.diameter_m, parameters).cloud;
+    segment(image, cloud, blank, runs);
 
-    perception::Parameters paper;
+    perception::Parameters paper = parameters;
     paper.segmentation.method = Segmentation::kImprovedDbscan;
     paper.registration.method = Registration::kPcaIcp;
-    if (auto ok = plan(image, request, kGraspd, {}, 1, blank, runs); !ok) return ok;
-    if (auto ok = plan(image, request, kGraspd2, {}, 2, blank, runs); !ok) return ok;
-    if (auto ok = plan(image, request, kPaper, paper, 1, blank, runs); !ok) return ok;
-    if (with_peers) find(image, cloud, blank, runs);
-    return {};
+    if (auto ok = plan(image, request, kGraspd, parameters, 1, blank, runs); !ok) return ok;
+    if (auto ok = plan(image, request, kGraspd2, parameters, 2, blank, runs); !ok) return ok;
+    if (!with_peers) return {};
+    find(image, cloud, blank, runs);
+    return plan(image, request, kPaper, paper, 1, blank, runs);
   }
 
  private:
@@ -119,7 +117,7 @@ class PartBench {
     const auto report = eval::evaluate_image(image, 0, request, catalogue_, parameters);
     if (!report) return tl::unexpected(report.error());
     run.method = name;
-    run.time_ms = report->time_s * 1e3;
+    run.time_ms = 1e3 * (cores_n == 1 ? report->cpu_time_s : report->time_s);
     add(*report->poses, run, runs);
     return {};
   }
@@ -163,8 +161,7 @@ class PartBench {
     run.task = kPoses;
     run.objects_n = accuracy.objects_n();
     run.found_n = accuracy.found_n();
-    run.answers_n = accuracy.answers_n();
-    run.right_n = accuracy.right_n();
+    run.poses = accuracy;
     runs.push_back(std::move(run));
   }
 

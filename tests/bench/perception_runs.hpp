@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "graspd/eval/pose_accuracy.hpp"
 #include "graspd/parts/catalogue.hpp"
 
 /// What `./run bench perception` measures: graspd and its peers on the same simulated frames.
@@ -13,9 +14,9 @@ namespace graspd::bench {
 
 struct PerceptionOptions {
   int frames_n = 12;      ///< of each part
-  int peer_frames_n = 3;  ///< the first of them: the peers' pipelines take seconds a frame
+  int peer_frames_n = 3;  ///< the first of them: those pipelines take seconds a frame
   int parts_per_frame_n = 45;
-  std::uint64_t seed = 1;  ///< of the first frame; the peers were tuned on 2000 and up
+  std::uint64_t seed = 1;  ///< of the first frame; everything was tuned on 1000 and up
 };
 
 /// One method on one frame.
@@ -25,12 +26,12 @@ struct Run {
   double camera_height_m = 0;
   std::string task;  ///< kSegmentation or kPoses
   std::string method;
+  /// Of the processor, which other work beside does not change; of the clock where there are two
+  /// cores.
   double time_ms = 0;
   int objects_n = 0;  ///< visible by half or more
   int found_n = 0;    ///< of these
-  /// Of poses alone, without those that hit a less visible object.
-  std::optional<int> answers_n;
-  int right_n = 0;
+  std::optional<eval::PoseAccuracy> poses;
 };
 
 inline constexpr const char* kSegmentation = "segmentation";

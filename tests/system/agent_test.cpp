@@ -228,7 +228,8 @@ TEST_F(AgentTest, TheReferenceConfigurationIsOneWithAndWithoutItsOptionalKeys) {
   const std::filesystem::path cells = std::filesystem::path(GRASPD_SOURCE_DIR) / "deploy/cells";
   write_camera(folder, "camera.yaml", kinect_v2(), kHeight_m);
   const auto full = folder.write("full.yaml", with_every_key(cells / "tees.yaml"));
-  for (const auto& config : {cells / "tees.yaml", cells / "kinect_tees.yaml", full}) {
+  for (const auto& config :
+       {cells / "tees.yaml", cells / "kinect_tees.yaml", cells / "realsense_elbows.yaml", full}) {
     const Finished finished =
         agent(config, "--server tcp://127.0.0.1:9 --frames 1 --recording " + scene.string());
     EXPECT_EQ(finished.exit_code, 1);

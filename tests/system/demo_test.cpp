@@ -30,6 +30,9 @@ TEST(DemoTest, ServesTwoCellsAndSaysWhereThePicturesAre) {
     EXPECT_THAT(finished.output, HasSubstr(picture.string()));
     EXPECT_THAT(finished.output, HasSubstr("Cell " + cell + ", frame 0: ranked grasps"));
   }
+  for (const std::string recording : {"kinect_tees", "realsense_elbows"}) {
+    EXPECT_THAT(finished.output, HasSubstr("Left out: /nowhere/" + recording));
+  }
 }
 
 TEST(DemoTest, SaysWhatToDoWhereTheProgramsAreMissing) {

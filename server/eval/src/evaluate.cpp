@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 
 #include "graspd/formats/cell.hpp"
 #include "graspd/perception/planner.hpp"
@@ -61,9 +62,11 @@ Result<ImageReport> evaluate_image(const BopImage& image, int scene_id, const Pl
   ImageReport report;
   report.im_id = image.im_id;
   const auto start = std::chrono::steady_clock::now();
+  const std::clock_t cpu_start = std::clock();
   auto answer = perception::plan(image.frame, request, catalogue, parameters);
   if (!answer) return tl::unexpected(answer.error());
   report.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.cpu_time_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
   report.answer = *std::move(answer);
   for (const Object& object : report.answer.objects) {
     report.results.push_back({scene_id, image.im_id, catalogue.find(object.part_id)->bop_obj_id,

@@ -8,10 +8,10 @@
 #include "graspd/perception/segmentation.hpp"
 
 /// What people build bin picking from today, each library used as its own tutorials use it, with
-/// parameters that were chosen on simulated frames of seeds 2000 and up. Clustering is compared on
-/// the points of graspd's default, perception::prepare_scene; pose finders start from the cloud of
-/// perception::preprocess. Neither is in their times but in graspd's. All work on one core. For
-/// `./run bench perception` only.
+/// parameters that were chosen on simulated frames of seeds 2000 and up. All get the points and
+/// normals of graspd's default, perception::prepare_scene, which is in graspd's time and not in
+/// theirs: on tuning frames they find as much on it as on perception::preprocess, or more. All work
+/// on one core. For `./run bench perception` only.
 namespace graspd::bench {
 
 /// Eps and MinPts for every DBSCAN: the best on the tuning frames, of 4 to 6 mm and 5 to 13 points.

@@ -15,7 +15,8 @@ namespace graspd::eval {
 struct ImageReport {
   int im_id = 0;
   PlanAnswer answer;
-  double time_s = 0;  ///< of the whole plan, loading excluded
+  double time_s = 0;      ///< of the whole plan, loading excluded
+  double cpu_time_s = 0;  ///< the same, of the processor, all threads of this process together
   std::vector<BopResult> results;
   std::optional<SegmentationAccuracy> segmentation;  ///< where instance ids are there
   std::optional<PoseAccuracy> poses;                 ///< where true poses are there
