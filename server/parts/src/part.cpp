@@ -59,6 +59,7 @@ Result<Part> make_part(const PartDescription& description) {
   }
   part.symmetries = description.symmetries ? *description.symmetries : find_symmetries(*mesh);
   part.registration = RegistrationModel(*mesh, part.symmetries);
+  part.triangles = TriangleGroups(*mesh);
   part.mesh = std::move(*mesh);
   part.pick_points = description.pick_points;
   part.color_rgb = description.color_rgb;
