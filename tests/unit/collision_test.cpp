@@ -148,7 +148,8 @@ TEST_F(Collision, LoweredIntoMatterItFailsAndGoesOnFailing) {
   pile_.look();
   for (const Check name : kGripperChecks) {
     bool has_failed = false;
-    for (double z_m = 0.2; z_m > -0.05; z_m -= 0.002) {
+    for (int step = 0; step < 125; ++step) {
+      const double z_m = 0.2 - 0.002 * step;
       Eigen::Isometry3d T = BlockPile::at(0.1, 0.0175, z_m, M_PI / 2);  // a jaw over the neighbour
       T.rotate(Eigen::AngleAxisd(M_PI, Vector3d::UnitX()));
       const bool fails = state(name, T) == CheckState::kFailed;

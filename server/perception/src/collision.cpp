@@ -101,8 +101,10 @@ void CollisionScene::check(const Eigen::Isometry3d& T_floor_grasp, double openin
   }
   of(verdicts, Check::kHeldPart) = held_part_;
   const SweptGripper swept(gripper_, opening_m);
-  if ((of(verdicts, Check::kGripperBin) = gripper_bin(T_floor_grasp, swept)).failed()) return;
-  if ((of(verdicts, Check::kGripperParts) = gripper_parts(T_floor_grasp, swept)).failed()) return;
+  of(verdicts, Check::kGripperBin) = gripper_bin(T_floor_grasp, swept);
+  if (of(verdicts, Check::kGripperBin).failed()) return;
+  of(verdicts, Check::kGripperParts) = gripper_parts(T_floor_grasp, swept);
+  if (of(verdicts, Check::kGripperParts).failed()) return;
   of(verdicts, Check::kGripperCloud) = gripper_cloud(T_floor_grasp, swept);
 }
 
