@@ -189,79 +189,20 @@ void FreeSpace::fill_from_rim(int steps_n) {
   open_.clear();
 }
 
-FreeSpace::Rect FreeSpace::draw(const PlacedPart& part) {
-  const Eigen::Isometry3d T_camera_part = T_camera_floor_ * part.T_floor_part;
-  const Eigen::Matrix3f R = T_camera_part.linear().cast<float>();
-  const Eigen::Vector3f t_m = T_camera_part.translation().cast<float>();
-  // The template's points are about a pixel apart; one more pixel around each closes the gaps, even
-  // with every other point left out.
-  const int smear_px = parameters_.edge_px + 1;
-  constexpr std::size_t kEvery = 2;
-
-  const Eigen::Vector3f centre_m =
-      T_camera_part.cast<float>() * part.part->barycentre_m.cast<float>();
-  const auto radius_m = static_cast<float>(part.part->radius_m);
-  const float nearest_z_m = centre_m.z() - radius_m;
-  if (nearest_z_m < static_cast<float>(kNearest_m)) return {};
-  const float radius_px = radius_m / nearest_z_m * std::max(fx_px_, fy_px_);
-  const auto reach_px = static_cast<int>(radius_px) + smear_px + 2;
-  const auto u = static_cast<int>(centre_m.x() / centre_m.z() * fx_px_ + cx_px_);
-  const auto v = static_cast<int>(centre_m.y() / centre_m.z() * fy_px_ + cy_px_);
-  // One cell within the image, so that every cell has eight around it.
-  Rect rect{std::max(1, u - reach_px), std::max(1, v - reach_px), 0, 0};
-  rect.width = std::min(width_px_ - 2, u + reach_px) - rect.u_first + 1;
-  rect.height = std::min(height_px_ - 2, v + reach_px) - rect.v_first + 1;
-  if (rect.width <= 0 || rect.height <= 0) return {};
-
-  const auto cells = static_cast<std::size_t>(rect.width) * static_cast<std::size_t>(rect.height);
-  nearest_m_.assign(cells, kNone_m);
-  const float half_u = cx_px_ - static_cast<float>(rect.u_first) + 0.5F;
-  const float half_v = cy_px_ - static_cast<float>(rect.v_first) + 0.5F;
-  const auto& surface = part.part->surface;
-  for (std::size_t i = 0; i < surface.size(); i += kEvery) {
-    const Eigen::Vector3f p = R * surface[i].position_m + t_m;
-    const float inverse_z = 1 / p.z();
-    const auto at_u = static_cast<int>(p.x() * inverse_z * fx_px_ + half_u);
-    const auto at_v = static_cast<int>(p.y() * inverse_z * fy_px_ + half_v);
-    if (at_u < 0 || at_v < 0 || at_u >= rect.width || at_v >= rect.height) continue;
-    float& nearest = nearest_m_[static_cast<std::size_t>(at_v) * rect.width + at_u];
-    nearest = std::min(nearest, p.z());
-  }
-
-  // The least of a square, first along the rows, then along the columns.
-  smeared_m_.assign(cells, kNone_m);
-  for (int y = 0; y < rect.height; ++y) {
-    const float* from = &nearest_m_[static_cast<std::size_t>(y) * rect.width];
-    float* to = &smeared_m_[static_cast<std::size_t>(y) * rect.width];
-    for (int shift = -smear_px; shift <= smear_px; ++shift) {
-      const int first = std::max(0, -shift);
-      const int last = std::min(rect.width, rect.width - shift);
-      for (int x = first; x < last; ++x) to[x] = std::min(to[x], from[x + shift]);
-    }
-  }
-  nearest_m_.assign(cells, kNone_m);
-  for (int y = 0; y < rect.height; ++y) {
-    float* to = &nearest_m_[static_cast<std::size_t>(y) * rect.width];
-    for (int row = std::max(0, y - smear_px); row <= std::min(rect.height - 1, y + smear_px);
-         ++row) {
-      const float* from = &smeared_m_[static_cast<std::size_t>(row) * rect.width];
-      for (int x = 0; x < rect.width; ++x) to[x] = std::min(to[x], from[x]);
-    }
-  }
-  return rect;
-}
-
 void FreeSpace::take_out(const PlacedPart& target) {
   for (const auto& [cell, value] : taken_) free_m_[cell] = value;
   taken_.clear();
-  const Rect rect = draw(target);
+  // The template's points are about a pixel apart; one more pixel around each closes the gaps.
+  draw_silhouette(target, T_camera_floor_, {width_px_, height_px_, fx_px_, fy_px_, cx_px_, cy_px_},
+                  parameters_.edge_px + 1, silhouette_);
   const auto tolerance_m = static_cast<float>(parameters_.cloud_tolerance_m);
-  for (int y = 0; y < rect.height; ++y) {
-    const float* nearest_m = &nearest_m_[static_cast<std::size_t>(y) * rect.width];
-    const std::size_t first = index(rect.u_first, rect.v_first + y);
-    for (int x = 0; x < rect.width; ++x) {
+  for (int y = 0; y < silhouette_.height; ++y) {
+    const float* nearest_m = silhouette_.row(y);
+    const std::size_t first = index(silhouette_.u_first, silhouette_.v_first + y);
+    for (int x = 0; x < silhouette_.width; ++x) {
       const std::size_t cell = first + static_cast<std::size_t>(x);
-      if (nearest_m[x] == kNone_m || free_m_[cell] < nearest_m[x] - tolerance_m) continue;
+      if (nearest_m[x] == Silhouette::kNone_m || free_m_[cell] < nearest_m[x] - tolerance_m)
+        continue;
       taken_.push_back({cell, free_m_[cell]});
       open_.push_back(cell);
       is_open_[cell] = kOpen;

@@ -9,6 +9,7 @@
 #include "graspd/perception/grs.hpp"
 #include "graspd/perception/parameters.hpp"
 #include "graspd/perception/scene.hpp"
+#include "graspd/perception/silhouette.hpp"
 #include "graspd/types/request.hpp"
 
 namespace graspd::perception {
@@ -49,9 +50,6 @@ class FreeSpace {
     std::size_t index;
     float value;
   };
-  struct Rect {
-    int u_first = 0, v_first = 0, width = 0, height = 0;
-  };
 
   std::size_t index(int u, int v) const {
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_px_) +
@@ -61,8 +59,6 @@ class FreeSpace {
   void take_out_walls(const Bin& bin, const Eigen::AlignedBox3d& workspace_m);
   void fill_unseen(const Scene& scene);
   void find_tile_minima();
-  /// How near the part is in each cell of a rectangle around it, smeared, in `nearest_m_`.
-  Rect draw(const PlacedPart& part);
   /// Gives the open cells what is beside them, the nearest of it, from the rim inwards in at most
   /// `steps_n` steps. Then none is open.
   void fill_from_rim(int steps_n);
@@ -76,7 +72,7 @@ class FreeSpace {
   std::vector<float> free_m_, tile_free_m_;
 
   // Kept from part to part, to take no memory for each.
-  std::vector<float> nearest_m_, smeared_m_;
+  Silhouette silhouette_;
   std::vector<std::uint8_t> is_open_;  ///< of each cell: whether it is to be filled from beside
   std::vector<std::size_t> open_, rim_;
   std::vector<Cell> filled_, taken_;
