@@ -161,7 +161,8 @@ TEST_F(PlanGrasps, ABuriedPartIsRejectedWithWhatLiesOnIt) {
 TEST_F(PlanGrasps, EveryFreeGraspHasPassedEveryCheckThatRan) {
   testing::BlockPile pile;
   for (int i = 0; i < 9; ++i) {
-    pile.parts.push_back(at({0.12 * (i % 3) - 0.12, 0.09 * (i / 3) - 0.09, 0.006}, 0.4 * i));
+    const int row = i / 3;
+    pile.parts.push_back(at({0.12 * (i % 3) - 0.12, 0.09 * row - 0.09, 0.006}, 0.4 * i));
   }
   pile.look();
   scene_ = pile.scene;
