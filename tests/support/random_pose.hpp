@@ -20,4 +20,12 @@ inline Eigen::Quaterniond random_rotation(std::mt19937& random) {
   return Eigen::Quaterniond(w, x, y, normal(random)).normalized();
 }
 
+/// Any turn, within a cube about the origin.
+inline Eigen::Isometry3d random_pose(std::mt19937& random, double side_m) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translate(random_point(random, static_cast<float>(side_m)).cast<double>());
+  T.rotate(random_rotation(random));
+  return T;
+}
+
 }  // namespace graspd::testing

@@ -85,6 +85,7 @@ Result<Part> make_part(const PartDescription& description) {
   }
   part.symmetries = description.symmetries ? *description.symmetries : find_symmetries(*mesh);
   part.registration = RegistrationModel(*mesh, part.symmetries);
+  part.triangles = TriangleGroups(*mesh);
   part.mesh = std::move(*mesh);
   auto taught = taught_pick_points(description, part.mesh);
   if (!taught) return tl::unexpected(taught.error());

@@ -1,122 +1,160 @@
 #include "graspd/perception/grasp_planning.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 namespace graspd::perception {
 namespace {
 
-constexpr int kTiltDirections = 8;
+constexpr int kOpenings = 3;
 
-/// Grasp frame with the given approach (z) whose closing direction (x) is the nearest to `closing`.
-Eigen::Isometry3d grasp_frame(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& approach,
-                              const Eigen::Vector3d& closing) {
-  const Eigen::Vector3d z = approach.normalized();
-  const Eigen::Vector3d x = (closing - z * z.dot(closing)).normalized();
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() << x, z.cross(x), z;
-  T.translation() = origin_m;
-  return T;
-}
-
-/// Straight down first, then tilts by growing angles in all directions.
-std::vector<Eigen::Vector3d> approaches(const GraspParameters& parameters) {
-  std::vector<Eigen::Vector3d> directions{-Eigen::Vector3d::UnitZ()};
-  // The small summand: 0.6 / 0.1 is below 6.
-  const auto tilts_n = static_cast<int>(parameters.max_tilt_rad / parameters.tilt_step_rad + 1e-9);
-  for (int k = 1; k <= tilts_n; ++k) {
-    const double tilt = k * parameters.tilt_step_rad;
-    for (int i = 0; i < kTiltDirections; ++i) {
-      const double azimuth = 2 * M_PI * i / kTiltDirections;
-      directions.emplace_back(std::sin(tilt) * std::cos(azimuth),
-                              std::sin(tilt) * std::sin(azimuth), -std::cos(tilt));
-    }
+/// The openings that a grasp is tried with: the wanted clearance, and less of it for where
+/// something leaves no room.
+class Openings {
+ public:
+  Openings(double width_m, const Gripper& gripper, const GraspParameters& parameters)
+      : width_m_(width_m), gripper_(gripper) {
+    const double least_m = std::min(parameters.min_clearance_m, gripper.clearance_m);
+    least_m_ = width_m + 2 * least_m;
+    widest_m_ = std::min(width_m + 2 * gripper.clearance_m, gripper.max_opening_m);
   }
-  return directions;
+
+  /// Whether the part fits between the open jaws, and is held by the closed ones.
+  bool fit() const { return least_m_ <= gripper_.max_opening_m && width_m_ >= closed_m(); }
+  /// The k-th opening, the widest first.
+  double operator[](int k) const {
+    const double share = static_cast<double>(k) / (kOpenings - 1);
+    const double opening_m = widest_m_ + share * (least_m_ - widest_m_);
+    return std::clamp(opening_m, gripper_.min_opening_m, gripper_.max_opening_m);
+  }
+  std::string misfit() const {
+    if (width_m_ < closed_m()) {
+      return fmt::format("the part is {:.1f} mm wide here, the gripper closes to {:.1f} mm",
+                         width_m_ * 1e3, closed_m() * 1e3);
+    }
+    return fmt::format(
+        "the part is {:.1f} mm wide here and needs {:.1f} mm, the gripper opens {:.1f} mm",
+        width_m_ * 1e3, least_m_ * 1e3, gripper_.max_opening_m * 1e3);
+  }
+
+ private:
+  double closed_m() const { return gripper_.min_opening_m; }
+
+  double width_m_, least_m_, widest_m_;
+  const Gripper& gripper_;
+};
+
+/// A candidate on its way through the checks.
+struct Trial {
+  const GraspCandidate* candidate;
+  double opening_m = 0;
+  Verdicts verdicts;
+};
+
+Trial try_jaws(const GraspCandidate& candidate, const Gripper& gripper,
+               const GraspParameters& parameters, const CollisionScene& scene) {
+  const Openings openings(candidate.width_m, gripper, parameters);
+  Trial trial{&candidate, openings[0], {}};
+  if (!openings.fit()) {
+    of(trial.verdicts, Check::kOpening).state = CheckState::kFailed;
+    return trial;
+  }
+  for (int k = 0; k < kOpenings; ++k) {
+    trial.opening_m = openings[k];
+    scene.check(candidate.T_floor_grasp, trial.opening_m, trial.verdicts);
+    const auto failure = first_failed(trial.verdicts);
+    if (!failure || !of(trial.verdicts, *failure).depends_on_opening) break;
+  }
+  of(trial.verdicts, Check::kOpening).state = CheckState::kPassed;
+  return trial;
 }
 
-CheckReport report(Check check, bool passed, std::string reason) {
-  if (passed) return {check, CheckState::kPassed, {}};
-  return {check, CheckState::kFailed, std::move(reason)};
+Trial try_grasp(const GraspCandidate& candidate, const Gripper& gripper,
+                const GraspParameters& parameters, const CollisionScene& scene) {
+  if (gripper.kind == GripperKind::kParallelJaw) {
+    return try_jaws(candidate, gripper, parameters, scene);
+  }
+  Trial trial{&candidate, 0, {}};
+  scene.check(candidate.T_floor_grasp, 0, trial.verdicts);
+  return trial;
 }
 
-CheckReport check_opening(const std::optional<double>& width_m, const Gripper& gripper) {
-  if (!width_m) return report(Check::kOpening, false, "there is nothing between the jaws");
-  const double opening_m = *width_m + 2 * gripper.clearance_m;
-  return report(Check::kOpening, opening_m <= gripper.max_opening_m,
-                fmt::format("the part is {:.1f} mm wide here and needs {:.1f} mm, the gripper "
-                            "opens {:.1f} mm",
-                            *width_m * 1e3, opening_m * 1e3, gripper.max_opening_m * 1e3));
+std::string opening_reason(const Verdict& verdict, const GraspCandidate& candidate,
+                           const Gripper& gripper, const GraspParameters& parameters) {
+  if (verdict.state == CheckState::kNotRun) return "a suction cup has no opening";
+  if (verdict.state == CheckState::kPassed) return {};
+  return Openings(candidate.width_m, gripper, parameters).misfit();
+}
+
+PlannedGrasp explained(Trial trial, std::span<const std::uint32_t> ids, const Gripper& gripper,
+                       const GraspParameters& parameters, const CollisionScene& scene) {
+  const GraspCandidate& candidate = *trial.candidate;
+  scene.check_all(candidate.T_floor_grasp, trial.opening_m, trial.verdicts);
+  PlannedGrasp grasp{
+      std::string(candidate.pick_point), candidate.T_floor_grasp, trial.opening_m, {}};
+  for (const auto& [check, name] : EnumNames<Check>::values) {
+    const Verdict& verdict = of(trial.verdicts, check);
+    grasp.checks.push_back({check, verdict.state,
+                            check == Check::kOpening
+                                ? opening_reason(verdict, candidate, gripper, parameters)
+                                : scene.reason(check, verdict, ids)});
+  }
+  return grasp;
+}
+
+/// Where no candidate is at all: from above, so that the answer has something to say it of.
+PlannedGrasp nowhere(const PlacedPart& part, const Gripper& gripper) {
+  PlannedGrasp grasp;
+  grasp.T_floor_grasp.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  grasp.T_floor_grasp.translation() = part.barycentre_m();
+  for (const auto& [check, name] : EnumNames<Check>::values) {
+    grasp.checks.push_back({check, CheckState::kNotRun, "there is no grasp to check"});
+  }
+  CheckReport& opening = grasp.checks[static_cast<std::size_t>(Check::kOpening)];
+  opening.state = CheckState::kFailed;
+  opening.reason =
+      gripper.kind == GripperKind::kSuction
+          ? fmt::format("no flat place of the part that faces up takes a cup of {:.1f} mm",
+                        gripper.cup_diameter_m * 1e3)
+          : "as the part lies, no approach from above has it between the jaws";
+  return grasp;
 }
 
 }  // namespace
 
-bool PlannedGrasp::is_free() const {
-  return std::none_of(checks.begin(), checks.end(),
-                      [](const CheckReport& check) { return check.state == CheckState::kFailed; });
-}
-
-bool gripper_inside_bin(const Eigen::Isometry3d& T_floor_grasp, double opening_width_m,
-                        const Gripper& gripper, const Eigen::Vector3d& bin_inner_size_m) {
-  // Both jaws in one box, and the palm above it; a box is inside where its corners are, and above
-  // the rim there is no wall.
-  const double half_x_m = opening_width_m / 2 + gripper.jaw_size_m.x();
-  const double jaw_top_m = -gripper.jaw_size_m.z();
-  const std::array<Eigen::AlignedBox3d, 2> boxes = {
-      Eigen::AlignedBox3d(Eigen::Vector3d(-half_x_m, -gripper.jaw_size_m.y() / 2, jaw_top_m),
-                          Eigen::Vector3d(half_x_m, gripper.jaw_size_m.y() / 2, 0)),
-      Eigen::AlignedBox3d(
-          Eigen::Vector3d(-gripper.palm_size_m.x() / 2, -gripper.palm_size_m.y() / 2,
-                          jaw_top_m - gripper.palm_size_m.z()),
-          Eigen::Vector3d(gripper.palm_size_m.x() / 2, gripper.palm_size_m.y() / 2, jaw_top_m))};
-  for (const auto& box : boxes) {
-    for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d p =
-          T_floor_grasp * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
-      if (p.z() < 0) return false;
-      const bool beyond_wall =
-          std::abs(p.x()) > bin_inner_size_m.x() / 2 || std::abs(p.y()) > bin_inner_size_m.y() / 2;
-      if (p.z() < bin_inner_size_m.z() && beyond_wall) return false;
+PartGrasps plan_grasps_of(std::size_t target, std::span<const PlacedPart> parts,
+                          std::span<const std::uint32_t> ids, const Gripper& gripper,
+                          const GraspParameters& parameters, CollisionScene& scene) {
+  PartGrasps grasps;
+  const std::vector<GraspCandidate> candidates =
+      grasp_candidates(target, parts, gripper, parameters);
+  if (candidates.empty()) {
+    ++grasps.rejected_by_check_n[static_cast<std::size_t>(Check::kOpening)];
+    grasps.rejected = nowhere(parts[target], gripper);
+    return grasps;
+  }
+  scene.set_target(target);
+  // Whether the part can be lifted is the same for all of them: one says it.
+  const bool can_be_lifted = !scene.held_part().failed();
+  const std::size_t tries_n =
+      can_be_lifted ? static_cast<std::size_t>(parameters.tries_per_part_n) : 1;
+  std::optional<Trial> preferred;
+  for (std::size_t i = 0; i < std::min(tries_n, candidates.size()); ++i) {
+    const Trial trial = try_grasp(candidates[i], gripper, parameters, scene);
+    const auto failure = first_failed(trial.verdicts);
+    if (failure) {
+      ++grasps.rejected_by_check_n[static_cast<std::size_t>(*failure)];
+      if (!preferred) preferred = trial;
+      continue;
     }
+    grasps.free.push_back(explained(trial, ids, gripper, parameters, scene));
+    if (grasps.free.size() == static_cast<std::size_t>(parameters.grasps_per_part_n)) break;
   }
-  return true;
-}
-
-PlannedGrasp plan_grasp(std::size_t target, std::span<const PlacedPart> parts,
-                        const std::optional<Eigen::Vector3d>& bin_inner_size_m,
-                        const Gripper& gripper, const GraspParameters& parameters) {
-  const PlacedPart& object = parts[target];
-  const Eigen::Vector3d origin_m = grasp_point(target, parts, parameters);
-  const Eigen::Vector3d closing = closing_direction(object);
-
-  const auto grasp_along = [&](const Eigen::Vector3d& approach) {
-    PlannedGrasp grasp;
-    grasp.T_floor_grasp = grasp_frame(origin_m, approach, closing);
-    const auto width_m = width_between_jaws_m(object, grasp.T_floor_grasp, gripper);
-    grasp.opening_width_m = std::clamp(width_m.value_or(0) + 2 * gripper.clearance_m,
-                                       gripper.min_opening_m, gripper.max_opening_m);
-    grasp.checks.push_back(check_opening(width_m, gripper));
-    if (bin_inner_size_m) {
-      const bool inside = gripper_inside_bin(grasp.T_floor_grasp, grasp.opening_width_m, gripper,
-                                             *bin_inner_size_m);
-      grasp.checks.push_back(
-          report(Check::kGripperBin, inside, "jaws or palm cross a wall or the floor of the bin"));
-    } else {
-      grasp.checks.push_back({Check::kGripperBin, CheckState::kNotRun, "no bin was given"});
-    }
-    return grasp;
-  };
-
-  const std::vector<Eigen::Vector3d> directions = approaches(parameters);
-  PlannedGrasp chosen = grasp_along(directions.front());
-  for (std::size_t i = 1; i < directions.size() && !chosen.is_free(); ++i) {
-    if (PlannedGrasp tilted = grasp_along(directions[i]); tilted.is_free()) chosen = tilted;
+  if (grasps.free.empty()) {
+    grasps.rejected = explained(*preferred, ids, gripper, parameters, scene);
   }
-  for (const Check check : {Check::kGripperCloud, Check::kGripperParts, Check::kHeldPart}) {
-    chosen.checks.push_back({check, CheckState::kNotRun, "this version does not have this check"});
-  }
-  return chosen;
+  return grasps;
 }
 
 }  // namespace graspd::perception

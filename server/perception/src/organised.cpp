@@ -120,8 +120,8 @@ void settle(const DepthGrid& grid, Cloud& cloud) {
 
 }  // namespace
 
-Scene preprocess_organised(const DepthFrame& frame, const PlanRequest& request,
-                           double part_diameter_m, const PreprocessParameters& parameters) {
+DepthGrid seen_in_workspace(const DepthFrame& frame, const PlanRequest& request,
+                            const PreprocessParameters& parameters) {
   const CameraIntrinsics& camera = frame.camera;
   const auto workspace = requested_workspace(request, parameters);
   const CellBox box = workspace ? box_of(*workspace, camera)
@@ -133,12 +133,19 @@ Scene preprocess_organised(const DepthFrame& frame, const PlanRequest& request,
   }
   sharpen_edges(seen);
   mend_readings(seen);
+  return seen;
+}
+
+Scene preprocess_organised(const DepthFrame& frame, const PlanRequest& request,
+                           double part_diameter_m, const PreprocessParameters& parameters) {
+  DepthGrid seen = seen_in_workspace(frame, request, parameters);
   Scene scene = cut_out_parts(frame, cloud_of(seen), request, part_diameter_m, parameters,
                               {std::identity(), fit_floor});
   DepthGrid grid = cut_out_readings(seen, box_around(scene.cloud, seen.pixels()));
   complete(scene.cloud, grid);
   settle(grid, scene.cloud);
   scene.grid = std::move(grid);
+  scene.seen = std::move(seen);
   return scene;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <iterator>
 
 #include "check_request.hpp"
@@ -160,42 +161,52 @@ void draw_outlines(const DepthFrame& frame, const PlanRequest& request,
   }
 }
 
-/// GRS of every object, then a grasp for each, ranked.
+Grasp grasp_of(const Object& object, const PlannedGrasp& planned,
+               const Eigen::Isometry3d& T_base_floor, const Gripper& gripper) {
+  Grasp grasp;
+  grasp.object_id = object.id;
+  grasp.pick_point = planned.pick_point;
+  grasp.T_base_grasp = T_base_floor * planned.T_floor_grasp;
+  grasp.opening_width_m = planned.opening_width_m;
+  grasp.standoff_m = gripper.standoff_m;
+  grasp.retreat_m = gripper.retreat_m;
+  grasp.score = object.grs.grs;
+  grasp.checks = planned.checks;
+  return grasp;
+}
+
+/// GRS of every object, then its grasps, ranked.
 void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
-                 const Parameters& parameters, const Eigen::Isometry3d& T_base_floor,
-                 PlanAnswer& answer) {
+                 const Parameters& parameters, const Scene& scene, PlanAnswer& answer) {
+  const Eigen::Isometry3d T_base_floor = request.T_base_camera * scene.T_camera_floor;
   std::vector<PlacedPart> placed;
+  std::vector<std::uint32_t> ids;
   for (const Object& object : answer.objects) {
     placed.push_back({catalogue.find(object.part_id), T_base_floor.inverse() * object.T_base_part});
+    ids.push_back(object.id);
   }
   const std::vector<GrsTerms> scores = grasp_risk_scores(placed, parameters.grs);
   const auto to_ids = [&](std::vector<std::uint32_t>& indices) {
-    for (std::uint32_t& index : indices) index = answer.objects[index].id;
+    for (std::uint32_t& index : indices) index = ids[index];
   };
-  const auto bin_size_m =
-      request.bin ? std::optional(request.bin->inner_size_m) : std::optional<Eigen::Vector3d>();
+  CollisionScene collision(scene, placed, request.bin, request.gripper, parameters.collision);
   for (std::size_t i = 0; i < placed.size(); ++i) {
     Object& object = answer.objects[i];
     object.grs = scores[i];
     to_ids(object.grs.neighbour_ids);
     to_ids(object.grs.overlap_ids);
 
-    const PlannedGrasp planned =
-        plan_grasp(i, placed, bin_size_m, request.gripper, parameters.grasp);
-    Grasp grasp;
-    grasp.object_id = object.id;
-    grasp.pick_point = "principal_axis";
-    grasp.T_base_grasp = T_base_floor * planned.T_floor_grasp;
-    grasp.opening_width_m = planned.opening_width_m;
-    grasp.standoff_m = request.gripper.standoff_m;
-    grasp.retreat_m = request.gripper.retreat_m;
-    grasp.score = object.grs.grs;
-    grasp.checks = planned.checks;
-    for (const CheckReport& check : grasp.checks) {
-      const bool failed = check.state == CheckState::kFailed;
-      answer.funnel.rejected_by_check_n[static_cast<std::size_t>(check.check)] += failed;
+    const PartGrasps planned =
+        plan_grasps_of(i, placed, ids, request.gripper, parameters.grasp, collision);
+    for (const PlannedGrasp& grasp : planned.free) {
+      answer.grasps.push_back(grasp_of(object, grasp, T_base_floor, request.gripper));
     }
-    (planned.is_free() ? answer.grasps : answer.rejected_grasps).push_back(std::move(grasp));
+    if (planned.rejected) {
+      answer.rejected_grasps.push_back(
+          grasp_of(object, *planned.rejected, T_base_floor, request.gripper));
+    }
+    std::ranges::transform(planned.rejected_by_check_n, answer.funnel.rejected_by_check_n,
+                           answer.funnel.rejected_by_check_n.begin(), std::plus());
   }
   rank_grasps(request, parameters, answer.objects, answer.grasps);
   const auto most = static_cast<std::size_t>(parameters.grasp.max_grasps_n);
@@ -210,7 +221,9 @@ PlanAnswer concluded(PlanAnswer& answer, const PlanOptions& options, bool is_unc
   if (!options.explain_rejected) answer.rejected_grasps.clear();
   if (answer.grasps.empty()) {
     return finished(answer, Outcome::kAllInCollision,
-                    fmt::format("every grasp fails a check; the first: {}", failure));
+                    failure.empty()
+                        ? "no part has a place that the gripper could hold"
+                        : fmt::format("every grasp fails a check; the first: {}", failure));
   }
   if (is_unchanged) {
     return finished(answer, Outcome::kUnchanged,
@@ -224,6 +237,7 @@ PlanAnswer concluded(PlanAnswer& answer, const PlanOptions& options, bool is_unc
 Scene look(const DepthFrame& frame, const PlanRequest& request, const PartList& parts,
            const Parameters& parameters, PlanAnswer& answer) {
   Scene scene = prepare_scene(frame, request, largest_diameter_m(parts), parameters);
+  if (!scene.seen) scene.seen = seen_in_workspace(frame, request, parameters.preprocess);
   answer.funnel = scene.funnel;
   answer.fill_level = scene.fill_level;
   answer.warnings = scene.warnings;
@@ -279,7 +293,7 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
     return finished(answer, Outcome::kNoneRegistered, std::move(answer.reason));
   }
 
-  plan_grasps(request, catalogue, parameters, request.T_base_camera * scene.T_camera_floor, answer);
+  plan_grasps(request, catalogue, parameters, scene, answer);
   clock.finished("grasps");
   if (request.options.outlines) {
     draw_outlines(frame, request, catalogue, answer.objects);

@@ -75,6 +75,7 @@ void cut_out_known(const Cloud& readings, const Workspace& workspace, bool has_b
   scene.funnel.after_voxel_grid_n = static_cast<std::uint32_t>(thinned.size());
 
   scene.T_camera_floor = workspace.T_camera_workspace;
+  scene.workspace_m = workspace.kept_m();
   const Plane stated = plane_of_floor(scene.T_camera_floor);
   std::optional<Plane> floor = sampling.find_plane(thinned, stated.normal, parameters);
   if (floor && has_bin) {
@@ -107,6 +108,10 @@ void cut_out_unknown(const Cloud& readings, double part_diameter_m,
         "no floor found and no bin given: heights count from the deepest point");
     scene.cloud = thinned;
     scene.T_camera_floor = frame_on(deepest_plane(thinned), thinned);
+  }
+  const Eigen::Isometry3f T_floor_camera = scene.T_camera_floor.inverse().cast<float>();
+  for (const auto& p : scene.cloud.points_m) {
+    scene.workspace_m.extend((T_floor_camera * p).cast<double>());
   }
 }
 

@@ -102,7 +102,8 @@ void visit(perception::GrsParameters& p, Visitor& section) {
 template <class Visitor>
 void visit(perception::GraspParameters& p, Visitor& section) {
   auto& [k3, k4, axis_step_m, max_tilt_rad, max_taught_tilt_rad, tilt_step_rad,
-         principal_axis_priority, max_grasps_n, tries_per_part_n] = p;
+         principal_axis_priority, max_grasps_n, grasps_per_part_n, tries_per_part_n,
+         min_clearance_m] = p;
   section.number("k3", k3, -1e6, 1e6);
   section.number("k4", k4, -1e6, 1e6);
   section.number("axis_step_m", axis_step_m, 1e-4, 0.1);
@@ -111,7 +112,25 @@ void visit(perception::GraspParameters& p, Visitor& section) {
   section.number("tilt_step_rad", tilt_step_rad, 0.01, M_PI / 2);
   section.number("principal_axis_priority", principal_axis_priority, -1e6, 1e6);
   section.number("max_grasps_n", max_grasps_n, 1, 1000);
-  section.number("tries_per_part_n", tries_per_part_n, 1, 1000);
+  section.number("grasps_per_part_n", grasps_per_part_n, 1, 100);
+  section.number("tries_per_part_n", tries_per_part_n, 1, 10'000);
+  section.number("min_clearance_m", min_clearance_m, 0, 0.1);
+}
+
+template <class Visitor>
+void visit(perception::CollisionParameters& p, Visitor& section) {
+  auto& [gripper_cloud, gripper_parts, gripper_bin, held_part, cloud_tolerance_m, edge_px, hole_px,
+         margin_m, lift_tolerance_m, lift_overlap_m] = p;
+  section.flag("gripper_cloud", gripper_cloud);
+  section.flag("gripper_parts", gripper_parts);
+  section.flag("gripper_bin", gripper_bin);
+  section.flag("held_part", held_part);
+  section.number("cloud_tolerance_m", cloud_tolerance_m, 0, 0.1);
+  section.number("edge_px", edge_px, 0, 20);
+  section.number("hole_px", hole_px, 0, 100);
+  section.number("margin_m", margin_m, 0, 0.1);
+  section.number("lift_tolerance_m", lift_tolerance_m, 0, 0.1);
+  section.number("lift_overlap_m", lift_overlap_m, 1e-3, 0.1);
 }
 
 template <class Visitor>
@@ -122,12 +141,13 @@ void visit(perception::DisplacementParameters& p, Visitor& section) {
 
 template <class Visitor>
 void visit(Parameters& p, Visitor& visitor) {
-  auto& [preprocess, segmentation, registration, grs, grasp, displacement] = p;
+  auto& [preprocess, segmentation, registration, grs, grasp, collision, displacement] = p;
   visitor.section("preprocess", preprocess);
   visitor.section("segmentation", segmentation);
   visitor.section("registration", registration);
   visitor.section("grs", grs);
   visitor.section("grasp", grasp);
+  visitor.section("collision", collision);
   visitor.section("displacement", displacement);
 }
 
@@ -151,6 +171,7 @@ struct Reader {
   void choice(std::string_view key, Enum& value) {
     map.optional_enum(key, value);
   }
+  void flag(std::string_view key, bool& value) { map.optional(key, value); }
 };
 
 struct Writer {
@@ -172,6 +193,7 @@ struct Writer {
   void choice(std::string_view key, Enum& value) {
     line(key, fmt::format(" {}", name_of(value)));
   }
+  void flag(std::string_view key, bool& value) { line(key, fmt::format(" {}", value)); }
   void line(std::string_view key, const std::string& value) {
     text += fmt::format("{:{}}{}:{}\n", "", indent, key, value);
   }

@@ -12,6 +12,7 @@
 #include "graspd/parts/pick_point.hpp"
 #include "graspd/parts/registration_model.hpp"
 #include "graspd/parts/symmetries.hpp"
+#include "graspd/parts/triangle_groups.hpp"
 
 namespace graspd::parts {
 
@@ -32,6 +33,7 @@ struct Part {
   std::vector<SurfacePoint> surface;  ///< the template: points about a pixel of the sensor apart
   double radius_m = 0;                ///< from the barycentre to the farthest of them
   RegistrationModel registration;     ///< what registration looks up
+  TriangleGroups triangles;           ///< the mesh, for collision checks
 };
 
 /// What a part is besides its mesh: the content of part.yaml.

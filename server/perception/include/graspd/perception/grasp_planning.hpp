@@ -1,38 +1,41 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "graspd/perception/collision.hpp"
+#include "graspd/perception/grasp_candidates.hpp"
 #include "graspd/perception/grs.hpp"
 #include "graspd/perception/parameters.hpp"
-#include "graspd/perception/principal_axis.hpp"
 #include "graspd/types/answer.hpp"
 #include "graspd/types/request.hpp"
 
-/// Grasp position, angle and opening width (the paper, III-D.2). All in the floor's frame: z up,
-/// origin on the floor, where a bin is given at its centre.
+/// The grasp stage: for each part its candidates, best first, through the checks, until enough are
+/// free. All in the floor's frame.
 namespace graspd::perception {
 
-/// Whether jaws and palm stay inside the bin's walls and above its floor.
-bool gripper_inside_bin(const Eigen::Isometry3d& T_floor_grasp, double opening_width_m,
-                        const Gripper& gripper, const Eigen::Vector3d& bin_inner_size_m);
-
-/// A grasp in the floor's frame, with the checks that ran.
+/// A grasp with what every check says of it.
 struct PlannedGrasp {
+  std::string pick_point;
   Eigen::Isometry3d T_floor_grasp = Eigen::Isometry3d::Identity();
   double opening_width_m = 0;
   std::vector<CheckReport> checks;
-
-  bool is_free() const;
 };
 
-/// The grasp at `grasp_point`: closing direction across the principal axis, approach as near to
-/// vertical as the bin's walls allow, opening the part's width there plus the clearance.
-/// \param bin_inner_size_m where a bin is given.
-PlannedGrasp plan_grasp(std::size_t target, std::span<const PlacedPart> parts,
-                        const std::optional<Eigen::Vector3d>& bin_inner_size_m,
-                        const Gripper& gripper, const GraspParameters& parameters);
+struct PartGrasps {
+  std::vector<PlannedGrasp> free;        ///< the preferred first
+  std::optional<PlannedGrasp> rejected;  ///< the preferred candidate, where none is free
+  std::array<std::uint32_t, std::size(EnumNames<Check>::values)> rejected_by_check_n{};
+};
+
+/// \param ids of the parts, as reasons call them.
+/// \param scene its target is set here.
+PartGrasps plan_grasps_of(std::size_t target, std::span<const PlacedPart> parts,
+                          std::span<const std::uint32_t> ids, const Gripper& gripper,
+                          const GraspParameters& parameters, CollisionScene& scene);
 
 }  // namespace graspd::perception

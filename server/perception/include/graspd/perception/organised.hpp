@@ -7,6 +7,11 @@
 
 namespace graspd::perception {
 
+/// The undistorted, sharpened and mended image of where parts may lie: the workspace's box, or the
+/// whole frame where the request names none. Only its readings are set.
+DepthGrid seen_in_workspace(const DepthFrame& frame, const PlanRequest& request,
+                            const PreprocessParameters& parameters);
+
 /// The organised path, ahead of the paper's: the cloud stays on the image grid, so that neighbours
 /// are neighbouring cells, and nothing is searched for. Lens distortion is taken out, smoothed
 /// edges are sharpened, workspace and floor are as in the paper's preprocessing, points that float

@@ -91,7 +91,23 @@ struct GraspParameters {
   double tilt_step_rad = 0.3;           ///< between the approaches that are tried
   double principal_axis_priority = -3;  ///< of the paper's grasp, among those of taught points
   int max_grasps_n = 32;
-  int tries_per_part_n = 24;  ///< candidates that are checked, the preferred ones first
+  int grasps_per_part_n = 3;       ///< free ones: the next ones of a part are not looked for
+  int tries_per_part_n = 24;       ///< candidates that are checked, the preferred ones first
+  double min_clearance_m = 0.002;  ///< on each side, where something leaves no room for more
+};
+
+/// Each check has its switch. Lengths are what the gripper keeps away by.
+struct CollisionParameters {
+  bool gripper_cloud = true;
+  bool gripper_parts = true;
+  bool gripper_bin = true;
+  bool held_part = true;
+  double cloud_tolerance_m = 0.006;  ///< a reading may be too near by
+  int edge_px = 2;                   ///< by which a silhouette may be smeared
+  int hole_px = 4;          ///< from its rim, a hole in the image is as deep as what is seen there
+  double margin_m = 0.002;  ///< from other parts: poses are no truer
+  double lift_tolerance_m = 0.004;  ///< what lies no higher above the held part is not lifted
+  double lift_overlap_m = 0.009;    ///< what overlaps with it less widely gives way
 };
 
 struct DisplacementParameters {
@@ -104,6 +120,7 @@ struct Parameters {
   RegistrationParameters registration;
   GrsParameters grs;
   GraspParameters grasp;
+  CollisionParameters collision;
   DisplacementParameters displacement;
 };
 

@@ -44,6 +44,11 @@ struct Scene {
   std::optional<double> fill_level;
   std::vector<std::string> warnings;
   std::optional<DepthGrid> grid;  ///< of an organised cloud: the image that it was taken from
+  /// Where parts may lie, in the floor's frame.
+  Eigen::AlignedBox3d workspace_m;
+  /// All that is seen where parts may lie, floor and walls among it: readings only, nothing else of
+  /// the grid is set.
+  std::optional<DepthGrid> seen;
 };
 
 /// In what the preprocessings differ.

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "graspd/types/request.hpp"
+
+/// A gripper as boxes in the grasp frame: origin midway between the finger tips, or at the middle
+/// of the suction cup's rim; z the approach direction; x the closing direction.
+namespace graspd::perception {
+
+struct GripperBox {
+  std::string_view name;  ///< "palm", "jaw" or "cup"
+  Eigen::AlignedBox3d box_m;
+  bool moves_with_opening = false;
+};
+
+/// What the gripper takes up from pre-grasp to grasp. The approach is straight along the grasp
+/// frame's z, so that what a box sweeps is a box again, and one test answers for pre-grasp, grasp
+/// and all that lies between.
+class SweptGripper {
+ public:
+  SweptGripper(const Gripper& gripper, double opening_m);
+
+  std::span<const GripperBox> boxes() const { return {boxes_.data(), boxes_n_}; }
+
+ private:
+  void add(std::string_view name, const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m,
+           bool moves_with_opening);
+
+  double standoff_m_;
+  std::array<GripperBox, 3> boxes_;
+  std::size_t boxes_n_ = 0;
+};
+
+/// A box anywhere: centre, half sizes, axes as columns.
+struct OrientedBox {
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d half_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+
+  OrientedBox() = default;
+  OrientedBox(const Eigen::Isometry3d& T, const Eigen::AlignedBox3d& box_m)
+      : centre_m(T * box_m.center()), half_m(box_m.sizes() / 2), axes(T.linear()) {}
+};
+
+/// Whether they share a volume (separating axes); faces that touch share none.
+bool overlap(const OrientedBox& a, const OrientedBox& b);
+
+}  // namespace graspd::perception
