@@ -55,6 +55,7 @@ inline parts::Part block_part(const std::string& id, const Eigen::Vector3d& size
   part.mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   part.radius_m = part.diameter_m / 2;
+  part.contact = parts::ContactModel(part.surface);
   part.registration = parts::RegistrationModel(part.mesh, part.symmetries);
   return part;
 }

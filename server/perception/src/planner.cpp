@@ -7,13 +7,13 @@
 #include "check_request.hpp"
 #include "graspd/perception/displacement.hpp"
 #include "graspd/perception/grasp_planning.hpp"
-#include "graspd/perception/grs.hpp"
 #include "graspd/perception/organised.hpp"
 #include "graspd/perception/outline.hpp"
 #include "graspd/perception/preprocess.hpp"
 #include "graspd/perception/registration.hpp"
 #include "graspd/perception/segmentation.hpp"
 #include "graspd/perception/verified.hpp"
+#include "pile_objects.hpp"
 #include "ranking.hpp"
 
 namespace graspd::perception {
@@ -168,20 +168,14 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
                  PlanAnswer& answer) {
   std::vector<PlacedPart> placed;
   for (const Object& object : answer.objects) {
-    placed.push_back({catalogue.find(object.part_id), T_base_floor.inverse() * object.T_base_part});
+    placed.push_back({catalogue.find(object.part_id), T_base_floor.inverse() * object.T_base_part,
+                      object.score});
   }
-  const std::vector<GrsTerms> scores = grasp_risk_scores(placed, parameters.grs);
-  const auto to_ids = [&](std::vector<std::uint32_t>& indices) {
-    for (std::uint32_t& index : indices) index = answer.objects[index].id;
-  };
+  describe_pile(placed, parameters, answer.objects);
   const auto bin_size_m =
       request.bin ? std::optional(request.bin->inner_size_m) : std::optional<Eigen::Vector3d>();
   for (std::size_t i = 0; i < placed.size(); ++i) {
-    Object& object = answer.objects[i];
-    object.grs = scores[i];
-    to_ids(object.grs.neighbour_ids);
-    to_ids(object.grs.overlap_ids);
-
+    const Object& object = answer.objects[i];
     const PlannedGrasp planned =
         plan_grasp(i, placed, bin_size_m, request.gripper, parameters.grasp);
     Grasp grasp;
@@ -191,7 +185,6 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
     grasp.opening_width_m = planned.opening_width_m;
     grasp.standoff_m = request.gripper.standoff_m;
     grasp.retreat_m = request.gripper.retreat_m;
-    grasp.score = object.grs.grs;
     grasp.checks = planned.checks;
     for (const CheckReport& check : grasp.checks) {
       const bool failed = check.state == CheckState::kFailed;
@@ -241,7 +234,7 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
                         const parts::Catalogue& catalogue, const Parameters& server_parameters,
                         const IsLate& is_late) {
   const Parameters parameters = effective(request.options, server_parameters);
-  const auto parts = check_request(frame, request, catalogue, parameters);
+  const auto parts = check_request(frame, request, catalogue);
   if (!parts) return tl::unexpected(parts.error());
   PlanAnswer answer;
   StageClock clock(answer.timings);
