@@ -63,9 +63,20 @@ std::string checks_not_run(const PlanAnswer& answer) {
   return text;
 }
 
+std::string list_of(const std::vector<std::uint32_t>& ids) {
+  return ids.empty() ? "–" : fmt::format("{}", fmt::join(ids, " "));
+}
+
+/// What holds the object, or lies over it: a lift may take it along.
+std::vector<std::uint32_t> comes_along(const Object& object) {
+  std::set<std::uint32_t> ids(object.entangled_ids.begin(), object.entangled_ids.end());
+  ids.insert(object.double_pick_ids.begin(), object.double_pick_ids.end());
+  return {ids.begin(), ids.end()};
+}
+
 std::string grasp_table(const PlanAnswer& answer) {
-  Table table({"rank", "object", "part", "GRS", "P_self", "P_grasp", "P_system", "x mm", "y mm",
-               "z mm", "tilt °", "turn °", "open mm", "score", "checks"});
+  Table table({"rank", "object", "part", "GRS", "P_self", "P_grasp", "P_system", "under", "with",
+               "x mm", "y mm", "z mm", "tilt °", "turn °", "open mm", "score", "checks"});
   for (std::size_t i = 0; i < answer.grasps.size(); ++i) {
     const Grasp& grasp = answer.grasps[i];
     const Object* object = find(answer, grasp.object_id);
@@ -74,7 +85,8 @@ std::string grasp_table(const PlanAnswer& answer) {
     table.add({std::to_string(i + 1), std::to_string(grasp.object_id),
                object ? object->part_id : "–", fmt::format("{:.3f}", grs.grs),
                fmt::format("{:.3f}", grs.p_self), fmt::format("{:.4f}", grs.p_grasp),
-               fmt::format("{:.0f}", grs.p_system), mm(p.x()), mm(p.y()), mm(p.z()),
+               fmt::format("{:.2f}", grs.p_system), object ? list_of(object->supports_ids) : "–",
+               object ? list_of(comes_along(*object)) : "–", mm(p.x()), mm(p.y()), mm(p.z()),
                fmt::format("{:.0f}", tilt_deg(grasp.T_base_grasp)),
                fmt::format("{:.0f}", turn_deg(grasp.T_base_grasp)), mm(grasp.opening_width_m),
                fmt::format("{:.3f}", grasp.score), checks_of(grasp)});
@@ -125,8 +137,9 @@ std::string plan_report(const PlanAnswer& answer, std::chrono::nanoseconds round
   if (!answer.grasps.empty()) {
     text += grasp_table(answer);
     text +=
-        "tilt: of the approach from straight down; turn: of the closing direction from base x; "
-        "checks: passed\n\n";
+        "under: objects that rest on it; with: objects that a lift may take along; tilt: of the "
+        "approach from straight down; turn: of the closing direction from base x; checks: "
+        "passed\n\n";
   }
   if (!answer.rejected_grasps.empty()) text += rejected_table(answer) + "\n";
   text += fmt::format("outcome   {}, {}, {}\n", name_of(answer.outcome),

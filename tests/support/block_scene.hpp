@@ -56,6 +56,7 @@ inline parts::Part block_part(const std::string& id, const Eigen::Vector3d& size
                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   part.radius_m = part.diameter_m / 2;
   part.triangles = parts::TriangleGroups(part.mesh);
+  part.contact = parts::ContactModel(part.surface);
   part.registration = parts::RegistrationModel(part.mesh, part.symmetries);
   return part;
 }

@@ -65,12 +65,12 @@ inline auto fields(Funnel& s) {
   return std::tie(a, b, c, d, e, f, g, h, i, j, k);
 }
 inline auto fields(GrsTerms& s) {
-  auto& [a, b, c, d, e, f, g, h, i] = s;
-  return std::tie(a, b, c, d, e, f, g, h, i);
+  auto& [a, b, c, d, e, f, g, h, i, j, k] = s;
+  return std::tie(a, b, c, d, e, f, g, h, i, j, k);
 }
 inline auto fields(Object& s) {
-  auto& [a, b, c, d, e, f, g, h, i, j, k, l, m] = s;
-  return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m);
+  auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o] = s;
+  return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o);
 }
 inline auto fields(Grasp& s) {
   auto& [a, b, c, d, e, f, g, h] = s;

@@ -163,8 +163,9 @@ inline PlanAnswer RandomMessages::any_plan_answer() {
              .id;
   };
   for (Object& object : answer.objects) {
-    for (auto* ids : {&object.lies_on_ids, &object.supports_ids, &object.grs.neighbour_ids,
-                      &object.grs.overlap_ids}) {
+    for (auto* ids :
+         {&object.lies_on_ids, &object.supports_ids, &object.entangled_ids, &object.double_pick_ids,
+          &object.grs.neighbour_ids, &object.grs.overlap_ids}) {
       for (auto& id : *ids) lead_to_an_object(id);
     }
   }

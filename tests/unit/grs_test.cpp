@@ -3,19 +3,16 @@
 
 #include <gtest/gtest.h>
 
-#include "block_scene.hpp"
+#include <algorithm>
+
+#include "random_pile.hpp"
 
 namespace graspd::perception {
 namespace {
 
 using Eigen::Vector3d;
 
-PlacedPart placed(const parts::Part& part, const Vector3d& p_m, double pitch_rad = 0) {
-  PlacedPart placed{&part, Eigen::Isometry3d::Identity()};
-  placed.T_floor_part.translate(p_m);
-  placed.T_floor_part.rotate(Eigen::AngleAxisd(pitch_rad, Vector3d::UnitY()));
-  return placed;
-}
+using testing::placed;
 
 TEST(PSelf, IsTheWeightedSumOfHeightAndSine) {
   GrsParameters parameters;
@@ -52,6 +49,24 @@ TEST(PGrasp, CountsMissingNeighboursAsIsolated) {
   // (0.01 + 3 · 0.04) / 4
   EXPECT_NEAR(p_grasp(0, centroids_m, parameters).value_m2, 0.0325, 1e-12);
   EXPECT_NEAR(p_grasp(0, {centroids_m.data(), 1}, parameters).value_m2, 0.04, 1e-12);
+}
+
+std::uint32_t search_shared_points(std::size_t target, const std::vector<PlacedPart>& pile,
+                                   double distance_m) {
+  const auto is_near_another = [&](const Vector3d& p_m) {
+    for (std::size_t other = 0; other < pile.size(); ++other) {
+      if (other == target) continue;
+      for (const auto& point : pile[other].part->surface) {
+        const Vector3d q_m = pile[other].T_floor_part * point.position_m.cast<double>();
+        if ((p_m - q_m).norm() <= distance_m) return true;
+      }
+    }
+    return false;
+  };
+  return static_cast<std::uint32_t>(
+      std::ranges::count_if(pile[target].part->surface, [&](const parts::SurfacePoint& point) {
+        return is_near_another(pile[target].T_floor_part * point.position_m.cast<double>());
+      }));
 }
 
 /// Bricks of 20 × 10 × 10 mm with template points 5 mm apart, so that shared points can be counted
@@ -100,6 +115,63 @@ TEST_F(PSystem, IsOneForPartsApart) {
   EXPECT_EQ(count.value, 1);
 }
 
+TEST_F(PSystem, CountsWhatASearchThroughAllPointsCounts) {
+  const parts::Part bar = testing::block_part("bar", {0.080, 0.020, 0.010});
+  parameters_.overlap_distance_m = 0.0015;
+  std::mt19937 random(1);
+  double counted_n = 0;
+  double searched_n = 0;
+  const auto pile = testing::random_pile(bar, 10, random);
+  for (std::size_t i = 0; i < pile.size(); ++i) {
+    const PSystemCount count = p_system_count(i, pile, parameters_);
+    const std::uint32_t points_n = search_shared_points(i, pile, parameters_.overlap_distance_m);
+    EXPECT_LE(count.points_n, points_n + 1) << "but for rounding";
+    counted_n += count.points_n;
+    searched_n += points_n;
+  }
+  EXPECT_GT(searched_n, 500);
+  EXPECT_GT(counted_n, 0.97 * searched_n);
+}
+
+TEST(PSystemSupport, IsOneWhereNothingRestsAndFallsWithWhatDoes) {
+  EXPECT_EQ(p_system_support(0, 0), 1);
+  EXPECT_NEAR(p_system_support(0.5, 0.5), 0.5, 1e-12);
+  for (double load = 0; load < 5; load += 0.5) {
+    EXPECT_GT(p_system_support(load, 1), p_system_support(load + 0.5, 1));
+    EXPECT_GT(p_system_support(1, load), p_system_support(1, load + 0.5));
+  }
+}
+
+TEST(PSystemSupport, IsTheTermThatThePileGraphGives) {
+  const parts::Part brick = testing::block_part("brick", {0.040, 0.020, 0.010});
+  const std::vector<PlacedPart> stack = {placed(brick, {0, 0, 0.005}),
+                                         placed(brick, {0, 0, 0.015})};
+  GrsParameters parameters;
+  parameters.p_system = graspd::PSystem::kSupport;
+  const PileGraph graph = make_pile_graph(stack, {});
+  const auto terms = grasp_risk_scores(stack, graph, parameters);
+  EXPECT_EQ(terms[1].p_system, 1);
+  EXPECT_EQ(terms[0].load, graph.load[0]);
+  EXPECT_EQ(terms[0].cover, graph.cover[0]);
+  EXPECT_LT(terms[0].p_system, 0.5) << "a whole part rests on it";
+  EXPECT_TRUE(terms[0].overlap_ids.empty()) << "the other P_system's evidence";
+  EXPECT_TRUE(ranks_before(terms[1], terms[0], parameters));
+}
+
+TEST(GraspRiskScore, IsThePapersUnlessConfidenceCounts) {
+  const parts::Part brick = testing::block_part("brick", {0.040, 0.020, 0.010});
+  std::vector<PlacedPart> parts = {placed(brick, {0, 0, 0.005})};
+  GrsParameters parameters;
+  const auto grs = [&] {
+    return grasp_risk_scores(parts, make_pile_graph(parts, {}), parameters)[0].grs;
+  };
+  const double paper = grs();
+  parts[0].score = 0.5;
+  EXPECT_EQ(grs(), paper);
+  parameters.confidence = 2;
+  EXPECT_NEAR(grs(), 0.25 * paper, 1e-12);
+}
+
 TEST(GraspRiskScore, PutsItsTermsTogether) {
   const parts::Part brick = testing::block_part("brick", {0.040, 0.020, 0.010});
   GrsParameters parameters;
@@ -109,9 +181,10 @@ TEST(GraspRiskScore, PutsItsTermsTogether) {
   parameters.k2 = 0.1;
   parameters.neighbours_n = 1;
   // Two bricks 0.1 m apart, one 0.05 m up and pitched by 30°.
-  const std::vector<PlacedPart> parts = {placed(brick, {0, 0, 0.05}, M_PI / 6),
+  const std::vector<PlacedPart> parts = {placed(brick, {0, 0, 0.05}, {0, M_PI / 6, 0}),
                                          placed(brick, {0.1, 0, 0.05})};
-  const std::vector<GrsTerms> terms = grasp_risk_scores(parts, parameters);
+  const std::vector<GrsTerms> terms =
+      grasp_risk_scores(parts, make_pile_graph(parts, {}), parameters);
   // P_self = 5·0.05 + 0.1·0.5 = 0.30, P_grasp = 0.01, GRS = (2·0.30 + 10·0.01)·1 = 0.70
   EXPECT_NEAR(terms[0].p_self, 0.30, 1e-9);
   EXPECT_NEAR(terms[0].p_grasp, 0.01, 1e-9);

@@ -349,10 +349,6 @@ TEST_F(Planner, BadRequestsAreNamed) {
 
 TEST_F(Planner, WhatThisVersionLacksIsRefusedNotReplaced) {
   const DepthFrame frame = frame_of(pile(1));
-  const PlanRequest good = request_;
-  request_.options.p_system = PSystem::kSupport;
-  EXPECT_THAT(refusal(frame), HasSubstr("'support' is not in this version"));
-  request_ = good;
   request_.gripper.kind = GripperKind::kSuction;
   request_.gripper.cup_diameter_m = 0.02;
   EXPECT_THAT(refusal(frame), HasSubstr("'suction' is not in this version"));

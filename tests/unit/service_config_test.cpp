@@ -183,7 +183,7 @@ TEST(ConfigHash, ChangesWithEveryThingThatChangesAnswersAndWithNothingElse) {
   parameters.grasp.k4 = -0.5000000001;
   EXPECT_NE(config_hash(parameters), hash);
   parameters = {};
-  parameters.grs.p_system = PSystem::kSupport;
+  parameters.grs.p_system = PSystem::kCount;
   EXPECT_NE(config_hash(parameters), hash);
 }
 

@@ -32,6 +32,7 @@ Answer valid_answer(Kind kind) {
   plan.objects[1].id = 2;
   for (Object& object : plan.objects) {
     object.lies_on_ids = object.supports_ids = {1};
+    object.entangled_ids = object.double_pick_ids = {1};
     object.grs.neighbour_ids = object.grs.overlap_ids = {2};
   }
   for (auto* grasps : {&plan.grasps, &plan.rejected_grasps}) {
@@ -160,6 +161,14 @@ INSTANTIATE_TEST_SUITE_P(
             Kind::kPlan,
             {{kObject + "supports_ids", "7"}},
             "plan.objects[1].supports_ids[1]: 7"},
+        Row{"entangled_with_nobody",
+            Kind::kPlan,
+            {{kObject + "entangled_ids", "7"}},
+            "plan.objects[1].entangled_ids[1]: 7"},
+        Row{"takes_nobody_along",
+            Kind::kPlan,
+            {{kObject + "double_pick_ids", "7"}},
+            "plan.objects[1].double_pick_ids[1]: 7"},
         Row{"grs_missing",
             Kind::kPlan,
             {{kObject + "grs", kClear}},

@@ -126,6 +126,8 @@ Object tee() {
           .p_base_segment_centroid_m = {0.26, -0.12, 0.07},
           .lies_on_ids = {8},
           .supports_ids = {},
+          .entangled_ids = {},
+          .double_pick_ids = {},
           .grs = {.grs = 0.41,
                   .p_self = 0.4,
                   .p_grasp = 0.01,
@@ -134,7 +136,9 @@ Object tee() {
                   .inclination_rad = 0.3,
                   .neighbour_ids = {8},
                   .overlap_points_n = 12,
-                  .overlap_ids = {8}},
+                  .overlap_ids = {8},
+                  .load = 0,
+                  .cover = 0},
           .outline_px = {100.5f, 200.25f, 101.5f, 200.25f, 101, 202}};
 }
 
@@ -175,6 +179,18 @@ Answer plan_answer() {
       .timings = {{"queue", 1200}, {"segmentation", 84'000'000}},
       .server = kServer};
   return {.id = id_from(1), .code = Code::kOk, .message = "", .retry_after_ms = 0, .body = plan};
+}
+
+/// With what the pile graph added.
+Answer pile_answer() {
+  Answer answer = plan_answer();
+  auto& plan = std::get<PlanAnswer>(answer.body);
+  plan.objects[0].entangled_ids = {8};
+  plan.objects[1].entangled_ids = {7};
+  plan.objects[1].double_pick_ids = {7};
+  plan.objects[1].grs.load = 0.75;
+  plan.objects[1].grs.cover = 0.5;
+  return answer;
 }
 
 Answer health_answer() {
@@ -233,7 +249,8 @@ std::map<std::string, Request> requests() {
 std::map<std::string, Answer> answers() {
   return {{"0.1.0_health_answer", health_answer()},
           {"0.1.0_plan_answer", plan_answer()},
-          {"0.1.0_refusal", refusal()}};
+          {"0.1.0_refusal", refusal()},
+          {"0.1.0_pile_answer", pile_answer()}};
 }
 
 TEST(Golden, Requests) {

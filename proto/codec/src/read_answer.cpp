@@ -45,6 +45,8 @@ class ObjectIds {
   void check(const Object& object, const Field& at) const {
     check(object.lies_on_ids, at("lies_on_ids"));
     check(object.supports_ids, at("supports_ids"));
+    check(object.entangled_ids, at("entangled_ids"));
+    check(object.double_pick_ids, at("double_pick_ids"));
     const Field grs = at("grs");
     check(object.grs.neighbour_ids, grs("neighbour_ids"));
     check(object.grs.overlap_ids, grs("overlap_ids"));
@@ -93,6 +95,8 @@ GrsTerms read(const v1::GrsTerms& in, const Field& at) {
   terms.neighbour_ids = read_numbers(in.neighbour_ids());
   terms.overlap_points_n = in.overlap_points_n();
   terms.overlap_ids = read_numbers(in.overlap_ids());
+  terms.load = at("load").number(in.load());
+  terms.cover = at("cover").number(in.cover());
   return terms;
 }
 
@@ -111,6 +115,8 @@ Object read(const v1::Object& in, const Field& at) {
            at("p_base_segment_centroid_m").required(in.has_p_base_segment_centroid_m()));
   object.lies_on_ids = read_numbers(in.lies_on_ids());
   object.supports_ids = read_numbers(in.supports_ids());
+  object.entangled_ids = read_numbers(in.entangled_ids());
+  object.double_pick_ids = read_numbers(in.double_pick_ids());
   object.grs = read(in.grs(), at("grs").required(in.has_grs()));
   object.outline_px = read_outline(in.outline_px(), at("outline_px"));
   return object;

@@ -40,6 +40,8 @@ void write(const GrsTerms& terms, v1::GrsTerms& out) {
   write_numbers(terms.neighbour_ids, *out.mutable_neighbour_ids());
   out.set_overlap_points_n(terms.overlap_points_n);
   write_numbers(terms.overlap_ids, *out.mutable_overlap_ids());
+  out.set_load(terms.load);
+  out.set_cover(terms.cover);
 }
 
 void write(const Object& object, v1::Object& out) {
@@ -54,6 +56,8 @@ void write(const Object& object, v1::Object& out) {
   write(object.p_base_segment_centroid_m, *out.mutable_p_base_segment_centroid_m());
   write_numbers(object.lies_on_ids, *out.mutable_lies_on_ids());
   write_numbers(object.supports_ids, *out.mutable_supports_ids());
+  write_numbers(object.entangled_ids, *out.mutable_entangled_ids());
+  write_numbers(object.double_pick_ids, *out.mutable_double_pick_ids());
   write(object.grs, *out.mutable_grs());
   write_numbers(object.outline_px, *out.mutable_outline_px());
 }

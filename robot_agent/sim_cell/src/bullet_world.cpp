@@ -115,6 +115,30 @@ double BulletWorld::deepest_penetration_m() const {
   return -double(deepest) / kScale;
 }
 
+std::vector<ContactForce> BulletWorld::contact_forces(double step_s) const {
+  std::vector<ContactForce> forces;
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    const btPersistentManifold* manifold = dispatcher_.getManifoldByIndexInternal(i);
+    for (int k = 0; k < manifold->getNumContacts(); ++k) {
+      const btManifoldPoint& point = manifold->getContactPoint(k);
+      const btVector3 impulse = point.m_normalWorldOnB * point.m_appliedImpulse +
+                                point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+                                point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
+      const double upward_n = double(impulse.z()) / step_s / kScale;
+      forces.push_back({manifold->getBody0(), manifold->getBody1(), upward_n});
+      forces.push_back({manifold->getBody1(), manifold->getBody0(), -upward_n});
+    }
+  }
+  return forces;
+}
+
+void BulletWorld::make_kinematic(btRigidBody* body) {
+  world_.removeRigidBody(body);
+  body->setMassProps(0, btVector3(0, 0, 0));
+  body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+  world_.addRigidBody(body);
+}
+
 Eigen::Isometry3d pose_of(const btRigidBody& body, const PartShape& shape) {
   const btTransform& T = body.getWorldTransform();
   const btQuaternion q = T.getRotation();

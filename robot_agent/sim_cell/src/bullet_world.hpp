@@ -28,6 +28,13 @@ struct PartShape {
 PartShape make_part_shape(const parts::Mesh& mesh, const ConvexPiecesOptions& options,
                           double density_kg_m3);
 
+/// What one body does to another at a contact.
+struct ContactForce {
+  const btCollisionObject* on = nullptr;
+  const btCollisionObject* by = nullptr;
+  double upward_n = 0;  ///< newtons; negative: pressed down
+};
+
 /// A world with gravity and a bin at its origin.
 class BulletWorld {
  public:
@@ -42,6 +49,10 @@ class BulletWorld {
   void step(double step_s) { world_.stepSimulation(btScalar(step_s), 0); }
   /// Of any two bodies in contact.
   double deepest_penetration_m() const;
+  /// What each contact did in the last step of `step_s`; walls and floor are bodies too.
+  std::vector<ContactForce> contact_forces(double step_s) const;
+  /// From now on no force moves the body: it is where it is put.
+  void make_kinematic(btRigidBody* body);
 
  private:
   void add_wall(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& size_m);

@@ -83,6 +83,7 @@ Result<Part> make_part(const PartDescription& description) {
     const Eigen::Vector3d d_m = point.position_m.cast<double>() - part.barycentre_m;
     part.radius_m = std::max(part.radius_m, d_m.norm());
   }
+  part.contact = ContactModel(part.surface);
   part.symmetries = description.symmetries ? *description.symmetries : find_symmetries(*mesh);
   part.registration = RegistrationModel(*mesh, part.symmetries);
   part.triangles = TriangleGroups(*mesh);

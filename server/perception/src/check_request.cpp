@@ -6,10 +6,7 @@ namespace graspd::perception {
 namespace {
 
 /// What this version does not have is refused, not silently replaced.
-Result<void> check_available(const PlanRequest& request, const Parameters& parameters) {
-  if (parameters.grs.p_system == PSystem::kSupport) {
-    return invalid("options.p_system: 'support' is not in this version; use count");
-  }
+Result<void> check_available(const PlanRequest& request) {
   if (request.gripper.kind == GripperKind::kSuction) {
     return invalid("gripper.kind: 'suction' is not in this version; use parallel_jaw");
   }
@@ -61,10 +58,10 @@ Result<void> check_last_plan(const PlanRequest& request, const parts::Catalogue&
 }  // namespace
 
 Result<PartList> check_request(const DepthFrame& frame, const PlanRequest& request,
-                               const parts::Catalogue& catalogue, const Parameters& parameters) {
+                               const parts::Catalogue& catalogue) {
   if (auto ok = validate(frame); !ok) return tl::unexpected(ok.error());
   if (auto ok = validate(request); !ok) return tl::unexpected(ok.error());
-  if (auto ok = check_available(request, parameters); !ok) return tl::unexpected(ok.error());
+  if (auto ok = check_available(request); !ok) return tl::unexpected(ok.error());
   if (auto ok = check_last_plan(request, catalogue); !ok) return tl::unexpected(ok.error());
   auto parts = find_parts(request, catalogue);
   if (!parts) return parts;

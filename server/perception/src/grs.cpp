@@ -4,14 +4,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "graspd/perception/octree.hpp"
+#include "contacts.hpp"
 
 namespace graspd::perception {
-namespace {
-
-constexpr int kTemplateOctreeDepth = 8;
-
-}  // namespace
 
 double p_self(double height_m, double inclination, const GrsParameters& parameters) {
   return parameters.k1 * height_m + parameters.k2 * std::sin(inclination);
@@ -44,32 +39,13 @@ PGrasp p_grasp(std::size_t target, std::span<const Eigen::Vector3d> centroids_m,
 
 PSystemCount p_system_count(std::size_t target, std::span<const PlacedPart> parts,
                             const GrsParameters& parameters) {
-  const PlacedPart& object = parts[target];
-  std::vector<Eigen::Vector3f> points_m;
-  for (const auto& point : object.part->surface) points_m.push_back(point.position_m);
-  const Octree octree(points_m, kTemplateOctreeDepth);
-  std::vector<bool> is_shared(points_m.size());
-
-  // Nothing of the object is farther from its barycentre.
-  const double reach_m = object.part->radius_m + parameters.overlap_distance_m;
-  const Eigen::Vector3f barycentre_m = object.part->barycentre_m.cast<float>();
-  const auto reach2_m2 = static_cast<float>(reach_m * reach_m);
-
   PSystemCount result;
-  std::vector<std::uint32_t> found;
+  std::vector<bool> is_shared(parts[target].part->contact.points().size());
   for (std::uint32_t other = 0; other < parts.size(); ++other) {
-    const double distance_m = (object.barycentre_m() - parts[other].barycentre_m()).norm();
-    if (other == target || distance_m > reach_m + parts[other].part->radius_m) continue;
-    const Eigen::Isometry3f T_target_other =
-        (object.T_floor_part.inverse() * parts[other].T_floor_part).cast<float>();
+    if (other == target) continue;
     bool touches = false;
-    for (const auto& point : parts[other].part->surface) {
-      const Eigen::Vector3f p_m = T_target_other * point.position_m;
-      if ((p_m - barycentre_m).squaredNorm() > reach2_m2) continue;
-      octree.radius_search(p_m, static_cast<float>(parameters.overlap_distance_m), found);
-      touches |= !found.empty();
-      for (const std::uint32_t i : found) is_shared[i] = true;
-    }
+    visit_near_points(parts[target], parts[other], parameters.overlap_distance_m,
+                      [&](const NearPoints& near) { touches = is_shared[near.index] = true; });
     if (touches) result.others.push_back(other);
   }
   result.points_n =
@@ -80,7 +56,9 @@ PSystemCount p_system_count(std::size_t target, std::span<const PlacedPart> part
   return result;
 }
 
-std::vector<GrsTerms> grasp_risk_scores(std::span<const PlacedPart> parts,
+double p_system_support(double load, double cover) { return 1 / (1 + load + cover); }
+
+std::vector<GrsTerms> grasp_risk_scores(std::span<const PlacedPart> parts, const PileGraph& graph,
                                         const GrsParameters& parameters) {
   std::vector<Eigen::Vector3d> centroids_m;
   for (const PlacedPart& part : parts) centroids_m.push_back(part.barycentre_m());
@@ -93,12 +71,18 @@ std::vector<GrsTerms> grasp_risk_scores(std::span<const PlacedPart> parts,
     PGrasp neighbours = p_grasp(i, centroids_m, parameters);
     terms.p_grasp = neighbours.value_m2;
     terms.neighbour_ids = std::move(neighbours.neighbours);
-    PSystemCount overlap = p_system_count(i, parts, parameters);
-    terms.p_system = overlap.value;
-    terms.overlap_points_n = overlap.points_n;
-    terms.overlap_ids = std::move(overlap.others);
-    terms.grs =
-        (parameters.alpha * terms.p_self + parameters.beta * terms.p_grasp) * terms.p_system;
+    if (parameters.p_system == PSystem::kSupport) {
+      terms.load = graph.load[i];
+      terms.cover = graph.cover[i];
+      terms.p_system = p_system_support(terms.load, terms.cover);
+    } else {
+      PSystemCount overlap = p_system_count(i, parts, parameters);
+      terms.p_system = overlap.value;
+      terms.overlap_points_n = overlap.points_n;
+      terms.overlap_ids = std::move(overlap.others);
+    }
+    terms.grs = (parameters.alpha * terms.p_self + parameters.beta * terms.p_grasp) *
+                terms.p_system * std::pow(parts[i].score, parameters.confidence);
   }
   return scores;
 }

@@ -8,13 +8,13 @@
 #include "check_request.hpp"
 #include "graspd/perception/displacement.hpp"
 #include "graspd/perception/grasp_planning.hpp"
-#include "graspd/perception/grs.hpp"
 #include "graspd/perception/organised.hpp"
 #include "graspd/perception/outline.hpp"
 #include "graspd/perception/preprocess.hpp"
 #include "graspd/perception/registration.hpp"
 #include "graspd/perception/segmentation.hpp"
 #include "graspd/perception/verified.hpp"
+#include "pile_objects.hpp"
 #include "ranking.hpp"
 #include "why_none.hpp"
 
@@ -170,7 +170,6 @@ Grasp grasp_of(const Object& object, const PlannedGrasp& planned,
   grasp.opening_width_m = planned.opening_width_m;
   grasp.standoff_m = gripper.standoff_m;
   grasp.retreat_m = gripper.retreat_m;
-  grasp.score = object.grs.grs;
   grasp.checks = planned.checks;
   return grasp;
 }
@@ -182,20 +181,14 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
   std::vector<PlacedPart> placed;
   std::vector<std::uint32_t> ids;
   for (const Object& object : answer.objects) {
-    placed.push_back({catalogue.find(object.part_id), T_base_floor.inverse() * object.T_base_part});
+    placed.push_back({catalogue.find(object.part_id), T_base_floor.inverse() * object.T_base_part,
+                      object.score});
     ids.push_back(object.id);
   }
-  const std::vector<GrsTerms> scores = grasp_risk_scores(placed, parameters.grs);
-  const auto to_ids = [&](std::vector<std::uint32_t>& indices) {
-    for (std::uint32_t& index : indices) index = ids[index];
-  };
+  describe_pile(placed, parameters, answer.objects);
   CollisionScene collision(scene, placed, request.bin, request.gripper, parameters.collision);
   for (std::size_t i = 0; i < placed.size(); ++i) {
-    Object& object = answer.objects[i];
-    object.grs = scores[i];
-    to_ids(object.grs.neighbour_ids);
-    to_ids(object.grs.overlap_ids);
-
+    const Object& object = answer.objects[i];
     const PartGrasps planned =
         plan_grasps_of(i, placed, ids, request.gripper, parameters.grasp, collision);
     for (const PlannedGrasp& grasp : planned.free) {
@@ -253,7 +246,7 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
                         const parts::Catalogue& catalogue, const Parameters& server_parameters,
                         const IsLate& is_late) {
   const Parameters parameters = effective(request.options, server_parameters);
-  const auto parts = check_request(frame, request, catalogue, parameters);
+  const auto parts = check_request(frame, request, catalogue);
   if (!parts) return tl::unexpected(parts.error());
   PlanAnswer answer;
   StageClock clock(answer.timings);

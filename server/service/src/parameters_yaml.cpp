@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "graspd/parts/contact_model.hpp"
+
 // The one place that maps perception's parameters to YAML: each has one line here with the range
 // that makes sense, and the same visit reads and writes. The bindings name every member, so that a
 // parameter which is added to a struct and forgotten here does not compile.
@@ -86,7 +88,7 @@ void visit(perception::RegistrationParameters& p, Visitor& section) {
 template <class Visitor>
 void visit(perception::GrsParameters& p, Visitor& section) {
   auto& [order, p_system, alpha, beta, k1, k2, neighbours_n, isolation_distance_m,
-         overlap_threshold_n, overlap_distance_m] = p;
+         overlap_threshold_n, overlap_distance_m, confidence] = p;
   section.choice("order", order);
   section.choice("p_system", p_system);
   section.number("alpha", alpha, -1e6, 1e6);
@@ -96,7 +98,19 @@ void visit(perception::GrsParameters& p, Visitor& section) {
   section.number("neighbours_n", neighbours_n, 1, 1000);
   section.number("isolation_distance_m", isolation_distance_m, 0, 10);
   section.number("overlap_threshold_n", overlap_threshold_n, 0, 1'000'000);
-  section.number("overlap_distance_m", overlap_distance_m, 1e-4, 0.1);
+  section.number("overlap_distance_m", overlap_distance_m, 1e-4,
+                 parts::ContactModel::kMaxDistance_m);
+  section.number("confidence", confidence, 0, 10);
+}
+
+template <class Visitor>
+void visit(perception::PileParameters& p, Visitor& section) {
+  auto& [contact_m, min_upward, min_share, min_entangled_over, min_double_pick_over] = p;
+  section.number("contact_m", contact_m, 1e-4, parts::ContactModel::kMaxDistance_m);
+  section.number("min_upward", min_upward, 0, 1);
+  section.number("min_share", min_share, 0, 1);
+  section.number("min_entangled_over", min_entangled_over, 0, 1);
+  section.number("min_double_pick_over", min_double_pick_over, 0, 1);
 }
 
 template <class Visitor>
@@ -141,11 +155,12 @@ void visit(perception::DisplacementParameters& p, Visitor& section) {
 
 template <class Visitor>
 void visit(Parameters& p, Visitor& visitor) {
-  auto& [preprocess, segmentation, registration, grs, grasp, collision, displacement] = p;
+  auto& [preprocess, segmentation, registration, grs, pile, grasp, collision, displacement] = p;
   visitor.section("preprocess", preprocess);
   visitor.section("segmentation", segmentation);
   visitor.section("registration", registration);
   visitor.section("grs", grs);
+  visitor.section("pile", pile);
   visitor.section("grasp", grasp);
   visitor.section("collision", collision);
   visitor.section("displacement", displacement);

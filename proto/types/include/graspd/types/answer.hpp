@@ -92,6 +92,8 @@ struct GrsTerms {
   std::vector<std::uint32_t> neighbour_ids;  ///< the K nearest objects of P_grasp, nearest first
   std::uint32_t overlap_points_n = 0;        ///< template points shared with other objects
   std::vector<std::uint32_t> overlap_ids;    ///< the objects they are shared with
+  double load = 0;   ///< weight that rests on it, directly or through others, in parts
+  double cover = 0;  ///< how much of other parts lies over it, each as a share of that part
 };
 
 struct Object {
@@ -106,6 +108,8 @@ struct Object {
   Eigen::Vector3d p_base_segment_centroid_m = Eigen::Vector3d::Zero();
   std::vector<std::uint32_t> lies_on_ids;
   std::vector<std::uint32_t> supports_ids;
+  std::vector<std::uint32_t> entangled_ids;    ///< neither can be lifted without the other
+  std::vector<std::uint32_t> double_pick_ids;  ///< lie over it: a lift may take them along
   GrsTerms grs;
   std::vector<float> outline_px;  ///< u, v, u, v, … closed; only where asked for
 };
@@ -117,7 +121,7 @@ struct Grasp {
   double opening_width_m = 0;
   double standoff_m = 0;
   double retreat_m = 0;
-  double score = 0;  ///< what the ranking sorted by
+  double score = 0;  ///< by the strategy: GRS, height, visible fraction, −distance, cosine
   std::vector<CheckReport> checks;
 };
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "graspd/parts/contact_model.hpp"
 #include "graspd/parts/mesh.hpp"
 #include "graspd/parts/pick_point.hpp"
 #include "graspd/parts/registration_model.hpp"
@@ -32,6 +33,7 @@ struct Part {
   std::array<std::uint8_t, 3> color_rgb{200, 200, 200};
   std::vector<SurfacePoint> surface;  ///< the template: points about a pixel of the sensor apart
   double radius_m = 0;                ///< from the barycentre to the farthest of them
+  ContactModel contact;               ///< the template again, for tests of contact
   RegistrationModel registration;     ///< what registration looks up
   TriangleGroups triangles;           ///< the mesh, for collision checks
 };

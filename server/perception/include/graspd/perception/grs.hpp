@@ -1,27 +1,17 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <span>
 #include <vector>
 
-#include "graspd/parts/part.hpp"
 #include "graspd/perception/parameters.hpp"
+#include "graspd/perception/pile_graph.hpp"
+#include "graspd/perception/placed_part.hpp"
 #include "graspd/types/answer.hpp"
 
-/// Grasp Risk Score (the paper, III-D.1): GRS(i) = (α·P_self(i) + β·P_grasp(i))·P_system(i).
+/// Grasp Risk Score (the paper, III-D.1): GRS(i) = (α·P_self(i) + β·P_grasp(i))·P_system(i), and
+/// what we add to it: P_system by the pile graph, and the registration's confidence as a factor.
+/// GRS.md gives the equations, how we read them, and what was measured.
 namespace graspd::perception {
-
-/// A part where it lies. The frame is the bin's: z up, origin on the floor.
-struct PlacedPart {
-  const parts::Part* part = nullptr;
-  Eigen::Isometry3d T_floor_part = Eigen::Isometry3d::Identity();
-
-  Eigen::Vector3d barycentre_m() const { return T_floor_part * part->barycentre_m; }
-  /// Of the longest principal axis, either way round.
-  Eigen::Vector3d principal_axis() const {
-    return T_floor_part.linear() * part->principal_axes.col(0);
-  }
-};
 
 /// P_self = k₁·z + k₂·sin θ (eq. 7); z the barycentre's height above the floor, θ ∈ [0, π/2] the
 /// principal axis' inclination from the horizontal plane.
@@ -50,9 +40,14 @@ struct PSystemCount {
 PSystemCount p_system_count(std::size_t target, std::span<const PlacedPart> parts,
                             const GrsParameters& parameters);
 
+/// P_system by the pile graph: 1 where nothing rests on the part or lies over it, and less with
+/// everything that does.
+double p_system_support(double load, double cover);
+
 /// All terms of every part. Indices stand where the answer has ids: the caller's ids are the
-/// indices.
-std::vector<GrsTerms> grasp_risk_scores(std::span<const PlacedPart> parts,
+/// indices. Only the terms of the P_system that is chosen are filled in.
+/// \param graph of the same parts.
+std::vector<GrsTerms> grasp_risk_scores(std::span<const PlacedPart> parts, const PileGraph& graph,
                                         const GrsParameters& parameters);
 
 /// Whether `a` is to be grasped before `b`. The paper's text maximises GRS, its equation minimises

@@ -71,15 +71,26 @@ struct RegistrationParameters {
 /// Weights of GRS(i) = (α·P_self + β·P_grasp)·P_system and of its terms.
 struct GrsParameters {
   GraspOrder order = GraspOrder::kDescending;
-  PSystem p_system = PSystem::kCount;
+  PSystem p_system = PSystem::kSupport;
   double alpha = 1.0;
   double beta = 20.0;                 ///< per m²
   double k1 = 5.0;                    ///< per m of height
   double k2 = 0.1;                    ///< of sin θ
   int neighbours_n = 4;               ///< K of P_grasp
   double isolation_distance_m = 0.3;  ///< of neighbours that do not exist
-  int overlap_threshold_n = 15;       ///< template points of P_system's count
-  double overlap_distance_m = 0.004;
+  int overlap_threshold_n = 50;       ///< template points of P_system's count
+  double overlap_distance_m = 0.001;
+  double confidence = 0;  ///< power of the registration's score that GRS is multiplied by
+};
+
+/// Who lies on whom. `over`: the columns in which one part is over another, as a share of those of
+/// the smaller one.
+struct PileParameters {
+  double contact_m = 0.002;           ///< surfaces this near to each other touch
+  double min_upward = 0.3;            ///< of a contact's unit normal: it bears weight
+  double min_share = 0.05;            ///< of a part's weight: who bears less does not support it
+  double min_entangled_over = 0.1;    ///< each over the other so much
+  double min_double_pick_over = 0.3;  ///< so much over another: a lift may take it along
 };
 
 struct GraspParameters {
@@ -119,6 +130,7 @@ struct Parameters {
   SegmentationParameters segmentation;
   RegistrationParameters registration;
   GrsParameters grs;
+  PileParameters pile;
   GraspParameters grasp;
   CollisionParameters collision;
   DisplacementParameters displacement;
