@@ -82,7 +82,7 @@ TEST_F(Planner, AnswersRankedGraspsWithTheirEvidence) {
   EXPECT_EQ(answer->funnel.registered_n, answer->objects.size());
   std::vector<std::string> stages;
   for (const auto& timing : answer->timings) stages.push_back(timing.stage);
-  EXPECT_THAT(stages, ::testing::ElementsAre("preprocess", "segmentation", "displacement",
+  EXPECT_THAT(stages, ::testing::ElementsAre("preprocess", "displacement", "segmentation",
                                              "registration", "grasps"));
 }
 
@@ -162,6 +162,18 @@ TEST_F(Planner, ATooNarrowGripperIsAllInCollisionWithTheReason) {
   EXPECT_THAT(answer->reason, HasSubstr("opening: the part is"));
   EXPECT_EQ(answer->rejected_grasps.size(), answer->objects.size());
   EXPECT_EQ(answer->funnel.rejected_by_check_n[0], answer->objects.size());
+}
+
+TEST_F(Planner, AGripperWiderThanTheBinIsAllInCollisionWithTheReason) {
+  request_.gripper.palm_size_m = Vector3d(0.5, 0.5, 0.3);
+  request_.options.explain_rejected = true;
+  const auto answer = plan_of(frame_of(pile(3)));
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->outcome, Outcome::kAllInCollision);
+  EXPECT_THAT(answer->reason, HasSubstr("gripper_bin: "));
+  EXPECT_FALSE(answer->rejected_grasps.empty());
+  EXPECT_GE(answer->funnel.rejected_by_check_n[static_cast<std::size_t>(Check::kGripperBin)],
+            answer->objects.size());
 }
 
 TEST_F(Planner, TheLastPlanOfAnUntouchedBinStands) {

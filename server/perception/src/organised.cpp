@@ -120,8 +120,8 @@ void settle(const DepthGrid& grid, Cloud& cloud) {
 
 }  // namespace
 
-Scene preprocess_organised(const DepthFrame& frame, const PlanRequest& request,
-                           double part_diameter_m, const PreprocessParameters& parameters) {
+Scene organised_readings(const DepthFrame& frame, const PlanRequest& request,
+                         double part_diameter_m, const PreprocessParameters& parameters) {
   const CameraIntrinsics& camera = frame.camera;
   const auto workspace = requested_workspace(request, parameters);
   const CellBox box = workspace ? box_of(*workspace, camera)
@@ -136,9 +136,20 @@ Scene preprocess_organised(const DepthFrame& frame, const PlanRequest& request,
   Scene scene = cut_out_parts(frame, cloud_of(seen), request, part_diameter_m, parameters,
                               {std::identity(), fit_floor});
   DepthGrid grid = cut_out_readings(seen, box_around(scene.cloud, seen.pixels()));
-  complete(scene.cloud, grid);
-  settle(grid, scene.cloud);
+  mark_parts(scene.cloud, grid);
   scene.grid = std::move(grid);
+  return scene;
+}
+
+void add_normals(Scene& scene) {
+  fit_normals(*scene.grid);
+  settle(*scene.grid, scene.cloud);
+}
+
+Scene preprocess_organised(const DepthFrame& frame, const PlanRequest& request,
+                           double part_diameter_m, const PreprocessParameters& parameters) {
+  Scene scene = organised_readings(frame, request, part_diameter_m, parameters);
+  add_normals(scene);
   return scene;
 }
 
