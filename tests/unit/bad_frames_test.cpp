@@ -124,7 +124,10 @@ TEST_F(BadFrames, InNoiseOverTheWholeRangeThereIsNothing) {
   fill(image.frame, 1, std::uniform_real_distribution(500.0, 4500.0));
   expect_nothing(plan_of(image, catalogue));
   fill(image.frame, 2, std::uniform_real_distribution(600.0, 760.0));
-  expect_nothing(plan_of(image, catalogue));
+  const PlanAnswer answer = plan_of(image, catalogue);
+  expect_nothing(answer);
+  EXPECT_EQ(answer.outcome, Outcome::kNoneRegistered) << "the bin is not empty";
+  EXPECT_THAT(answer.reason, HasSubstr("noise"));
   image.bin.reset();
   expect_nothing(plan_of(image, catalogue));
 }

@@ -124,6 +124,20 @@ TEST_F(PickCycleTest, SendsTheLastPlanAndThePickedPartWithTheNextRequest) {
   EXPECT_EQ(records[1].verdict, Verdict::kPlaced);
 }
 
+TEST_F(PickCycleTest, SendsNoLastPlanThatTheServerWouldRefuse) {
+  PlanAnswer crowded = planned();
+  while (crowded.objects.size() <= kMaxLastObjects) {
+    const auto id = static_cast<std::uint32_t>(crowded.objects.size() + 1);
+    crowded.objects.push_back(object_at(id, {0.01 * id, 0, 0}));
+  }
+  script({planned(), crowded, planned()});
+  run();
+  ASSERT_THAT(planner.requests, SizeIs(3));
+  EXPECT_TRUE(planner.requests[1].last_plan);
+  EXPECT_FALSE(planner.requests[2].last_plan);
+  EXPECT_EQ(records[1].verdict, Verdict::kPlaced);
+}
+
 TEST_F(PickCycleTest, KeepsWhatTheTaskAsksFor) {
   task.request.gripper.max_opening_m = 0.123;
   script({planned(), planned()});

@@ -84,7 +84,7 @@ TEST_F(Planner, AnswersRankedGraspsWithTheirEvidence) {
   EXPECT_EQ(answer->funnel.registered_n, answer->objects.size());
   std::vector<std::string> stages;
   for (const auto& timing : answer->timings) stages.push_back(timing.stage);
-  EXPECT_THAT(stages, ::testing::ElementsAre("preprocess", "segmentation", "displacement",
+  EXPECT_THAT(stages, ::testing::ElementsAre("preprocess", "displacement", "segmentation",
                                              "registration", "grasps"));
 }
 
@@ -198,6 +198,18 @@ TEST_F(Planner, ThePapersPreprocessingIsCheckedAgainstTheImageToo) {
   for (const CheckReport& check : answer->grasps.front().checks) {
     EXPECT_EQ(check.state, CheckState::kPassed) << name_of(check.check) << ": " << check.reason;
   }
+}
+
+TEST_F(Planner, AGripperWiderThanTheBinIsAllInCollisionWithTheReason) {
+  request_.gripper.palm_size_m = Vector3d(0.5, 0.5, 0.3);
+  request_.options.explain_rejected = true;
+  const auto answer = plan_of(frame_of(pile(3)));
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->outcome, Outcome::kAllInCollision);
+  EXPECT_THAT(answer->reason, HasSubstr("gripper_bin: "));
+  EXPECT_FALSE(answer->rejected_grasps.empty());
+  EXPECT_GE(answer->funnel.rejected_by_check_n[static_cast<std::size_t>(Check::kGripperBin)],
+            answer->objects.size());
 }
 
 TEST_F(Planner, TheLastPlanOfAnUntouchedBinStands) {
@@ -347,11 +359,24 @@ TEST_F(Planner, BadRequestsAreNamed) {
   EXPECT_THAT(refusal(frame), HasSubstr("stands twice"));
 }
 
-TEST_F(Planner, WhatThisVersionLacksIsRefusedNotReplaced) {
-  const DepthFrame frame = frame_of(pile(1));
+TEST_F(Planner, ASuctionCupHoldsFlatPlacesThatFaceUp) {
+  const DepthFrame frame = frame_of(pile(3));
   request_.gripper.kind = GripperKind::kSuction;
-  request_.gripper.cup_diameter_m = 0.02;
-  EXPECT_THAT(refusal(frame), HasSubstr("'suction' is not in this version"));
+  request_.gripper.cup_diameter_m = 0.015;
+  const auto answer = plan(frame, request_, catalogue_, parameters_);
+  ASSERT_TRUE(answer) << answer.error().message;
+  ASSERT_EQ(answer->outcome, Outcome::kPlanned) << answer->reason;
+  for (const Grasp& grasp : answer->grasps) {
+    EXPECT_THAT(grasp.pick_point, ::testing::StartsWith("flat_"));
+    EXPECT_EQ(grasp.opening_width_m, 0);
+    EXPECT_LT(grasp.T_base_grasp.linear().col(2).z(), -0.8) << "from above";
+  }
+
+  request_.gripper.cup_diameter_m = 0.2;
+  const auto too_large = plan(frame, request_, catalogue_, parameters_);
+  ASSERT_TRUE(too_large) << too_large.error().message;
+  EXPECT_EQ(too_large->outcome, Outcome::kAllInCollision);
+  EXPECT_THAT(too_large->reason, HasSubstr("cup of 200.0 mm"));
 }
 
 }  // namespace

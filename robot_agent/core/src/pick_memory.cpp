@@ -5,6 +5,9 @@
 namespace graspd::agent {
 
 void PickMemory::placed(const PlanAnswer& answer, const Grasp& grasp) {
+  std::erase_if(failed_spots_, [&](const FailedSpot& spot) { return is_near(spot, grasp); });
+  last_plan_.reset();
+  if (answer.objects.size() > kMaxLastObjects) return;
   LastPlan plan;
   plan.picked_object_id = grasp.object_id;
   for (const Object& object : answer.objects) {
@@ -13,7 +16,6 @@ void PickMemory::placed(const PlanAnswer& answer, const Grasp& grasp) {
                             object.visible_fraction});
   }
   last_plan_ = std::move(plan);
-  std::erase_if(failed_spots_, [&](const FailedSpot& spot) { return is_near(spot, grasp); });
 }
 
 void PickMemory::failed(const Grasp& grasp) {

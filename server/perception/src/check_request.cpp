@@ -5,14 +5,6 @@
 namespace graspd::perception {
 namespace {
 
-/// What this version does not have is refused, not silently replaced.
-Result<void> check_available(const PlanRequest& request) {
-  if (request.gripper.kind == GripperKind::kSuction) {
-    return invalid("gripper.kind: 'suction' is not in this version; use parallel_jaw");
-  }
-  return {};
-}
-
 Result<PartList> find_parts(const PlanRequest& request, const parts::Catalogue& catalogue) {
   PartList found;
   for (const RequestedPart& requested : request.parts) {
@@ -42,27 +34,12 @@ Result<void> check_room(const PlanRequest& request, const PartList& parts) {
   return {};
 }
 
-Result<void> check_last_plan(const PlanRequest& request, const parts::Catalogue& catalogue) {
-  if (!request.last_plan) return {};
-  for (const LastObject& object : request.last_plan->objects) {
-    if (catalogue.find(object.part_id) == nullptr) {
-      return fail(Code::kUnknownPart,
-                  "last_plan: object {} is of part '{}', which is not in the "
-                  "catalogue",
-                  object.id, object.part_id);
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<PartList> check_request(const DepthFrame& frame, const PlanRequest& request,
                                const parts::Catalogue& catalogue) {
   if (auto ok = validate(frame); !ok) return tl::unexpected(ok.error());
   if (auto ok = validate(request); !ok) return tl::unexpected(ok.error());
-  if (auto ok = check_available(request); !ok) return tl::unexpected(ok.error());
-  if (auto ok = check_last_plan(request, catalogue); !ok) return tl::unexpected(ok.error());
   auto parts = find_parts(request, catalogue);
   if (!parts) return parts;
   if (auto ok = check_room(request, *parts); !ok) return tl::unexpected(ok.error());

@@ -49,20 +49,6 @@ std::array<std::ptrdiff_t, 9> offsets_around(const DepthGrid& grid) {
   return {-row - 1, -row, -row + 1, -1, 0, 1, row - 1, row, row + 1};
 }
 
-void mark_parts(const Cloud& cloud, DepthGrid& grid) {
-  grid.is_part.assign(grid.size(), 0);
-  const auto around = offsets_around(grid);
-  for (const auto& p : cloud.points_m) {
-    const std::size_t cell = grid.cell_of(p);
-    if (cell == grid.size()) continue;
-    for (const std::ptrdiff_t offset : around) {
-      const std::size_t i = cell + static_cast<std::size_t>(offset);
-      const bool same = grid.z_m[i] > 0 && std::abs(grid.z_m[i] - p.z()) < kSameSurface_m;
-      grid.is_part[i] |= static_cast<std::uint8_t>(same);
-    }
-  }
-}
-
 std::uint32_t units(float z_m) {
   constexpr float kMost = 65535;
   return static_cast<std::uint32_t>(std::min(kMost, z_m / PackedDepth::kUnit_m + 0.5F));
@@ -186,10 +172,23 @@ DepthGrid cut_out_readings(const DepthGrid& image, const CellBox& box) {
   return grid;
 }
 
-void complete(const Cloud& parts_cloud, DepthGrid& grid) {
-  mark_parts(parts_cloud, grid);
+void mark_parts(const Cloud& parts_cloud, DepthGrid& grid) {
+  grid.is_part.assign(grid.size(), 0);
   grid.is_claimed.assign(grid.size(), 0);
+  const auto around = offsets_around(grid);
+  for (const auto& p : parts_cloud.points_m) {
+    const std::size_t cell = grid.cell_of(p);
+    if (cell == grid.size()) continue;
+    for (const std::ptrdiff_t offset : around) {
+      const std::size_t i = cell + static_cast<std::size_t>(offset);
+      const bool same = grid.z_m[i] > 0 && std::abs(grid.z_m[i] - p.z()) < kSameSurface_m;
+      grid.is_part[i] |= static_cast<std::uint8_t>(same);
+    }
+  }
   pack(grid);
+}
+
+void fit_normals(DepthGrid& grid) {
   fit_planes(grid.z_m, grid.pixels(), grid.normals, grid.curvatures);
 }
 
@@ -198,7 +197,8 @@ DepthGrid make_depth_grid(const DepthFrame& frame, const Cloud& parts_cloud,
   DepthGrid grid = cut_out_readings(frame.camera, readings_m(frame, parameters),
                                     box_around(parts_cloud, image_of(frame.camera)));
   sharpen_edges(grid);
-  complete(parts_cloud, grid);
+  mark_parts(parts_cloud, grid);
+  fit_normals(grid);
   return grid;
 }
 

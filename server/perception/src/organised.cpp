@@ -136,16 +136,27 @@ DepthGrid seen_in_workspace(const DepthFrame& frame, const PlanRequest& request,
   return seen;
 }
 
-Scene preprocess_organised(const DepthFrame& frame, const PlanRequest& request,
-                           double part_diameter_m, const PreprocessParameters& parameters) {
+Scene organised_readings(const DepthFrame& frame, const PlanRequest& request,
+                         double part_diameter_m, const PreprocessParameters& parameters) {
   DepthGrid seen = seen_in_workspace(frame, request, parameters);
   Scene scene = cut_out_parts(frame, cloud_of(seen), request, part_diameter_m, parameters,
                               {std::identity(), fit_floor});
   DepthGrid grid = cut_out_readings(seen, box_around(scene.cloud, seen.pixels()));
-  complete(scene.cloud, grid);
-  settle(grid, scene.cloud);
+  mark_parts(scene.cloud, grid);
   scene.grid = std::move(grid);
   scene.seen = std::move(seen);
+  return scene;
+}
+
+void add_normals(Scene& scene) {
+  fit_normals(*scene.grid);
+  settle(*scene.grid, scene.cloud);
+}
+
+Scene preprocess_organised(const DepthFrame& frame, const PlanRequest& request,
+                           double part_diameter_m, const PreprocessParameters& parameters) {
+  Scene scene = organised_readings(frame, request, part_diameter_m, parameters);
+  add_normals(scene);
   return scene;
 }
 

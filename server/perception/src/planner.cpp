@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "check_request.hpp"
-#include "graspd/perception/displacement.hpp"
+#include "graspd/perception/bin_drift.hpp"
 #include "graspd/perception/grasp_planning.hpp"
 #include "graspd/perception/organised.hpp"
 #include "graspd/perception/outline.hpp"
@@ -14,12 +14,16 @@
 #include "graspd/perception/registration.hpp"
 #include "graspd/perception/segmentation.hpp"
 #include "graspd/perception/verified.hpp"
+#include "last_plan.hpp"
 #include "pile_objects.hpp"
 #include "ranking.hpp"
 #include "why_none.hpp"
 
 namespace graspd::perception {
 namespace {
+
+/// A bare floor has next to no points above it: those that noise and bowed walls leave.
+constexpr double kClutterShare = 0.1;
 
 /// Times the pipeline's stages into the answer.
 class StageClock {
@@ -57,18 +61,6 @@ double largest_diameter_m(const PartList& parts) {
   return largest_m;
 }
 
-std::vector<Eigen::Vector3d> centroids_in_base(const Cloud& cloud,
-                                               const std::vector<Indices>& segments,
-                                               const Eigen::Isometry3d& T_base_camera) {
-  std::vector<Eigen::Vector3d> centroids_m;
-  for (const Indices& segment : segments) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const std::uint32_t i : segment) sum += cloud.points_m[i].cast<double>();
-    centroids_m.push_back(T_base_camera * (sum / static_cast<double>(segment.size())));
-  }
-  return centroids_m;
-}
-
 Object make_object(std::uint32_t id, const std::string& part_id,
                    const Eigen::Isometry3d& T_base_part,
                    const Eigen::Vector3d& p_base_segment_centroid_m, const Evidence& evidence) {
@@ -97,14 +89,9 @@ std::vector<Object> objects_from(const RegistrationResult& result,
 }
 
 /// The last plan's objects as they stand, with today's evidence.
-std::vector<Object> objects_from(const std::vector<LastObject>& standing, const DepthFrame& frame,
-                                 const Eigen::Isometry3d& T_base_camera,
-                                 const parts::Catalogue& catalogue, double tolerance_m) {
+std::vector<Object> objects_from(const std::vector<StandingObject>& standing) {
   std::vector<Object> objects;
-  for (const LastObject& last : standing) {
-    const Evidence evidence =
-        evaluate_pose(frame, *catalogue.find(last.part_id),
-                      T_base_camera.inverse() * last.T_base_part, tolerance_m);
+  for (const auto& [last, evidence] : standing) {
     objects.push_back(make_object(last.id, last.part_id, last.T_base_part,
                                   last.p_base_segment_centroid_m, evidence));
   }
@@ -120,20 +107,9 @@ tl::unexpected<Error> too_late(const std::vector<StageTiming>& timings) {
               fmt::join(stages, ", "));
 }
 
-PlanAnswer finished(PlanAnswer& answer, Outcome outcome, std::string reason) {
+void finish(PlanAnswer& answer, Outcome outcome, std::string reason) {
   answer.outcome = outcome;
   answer.reason = std::move(reason);
-  return std::move(answer);
-}
-
-/// The last plan's remaining objects, where none of them has moved.
-std::optional<std::vector<LastObject>> standing_objects(const PlanRequest& request,
-                                                        const Cloud& cloud,
-                                                        const std::vector<Indices>& segments,
-                                                        const Parameters& parameters) {
-  if (!request.last_plan) return std::nullopt;
-  const auto centroids_m = centroids_in_base(cloud, segments, request.T_base_camera);
-  return unchanged_objects(*request.last_plan, centroids_m, parameters.displacement);
 }
 
 /// Registers the parts in the segments. Where there are none, the answer's reason says why.
@@ -207,29 +183,31 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
   answer.funnel.grasps_n = static_cast<std::uint32_t>(answer.grasps.size());
 }
 
+void forget_objects(PlanAnswer& answer) {
+  answer.objects.clear();
+  answer.rejected_grasps.clear();
+  answer.funnel.rejected_by_check_n = {};
+}
+
 /// The outcome of a plan that has objects.
-PlanAnswer concluded(PlanAnswer& answer, const PlanOptions& options, bool is_unchanged,
-                     const Parameters& parameters) {
+void conclude(PlanAnswer& answer, const PlanOptions& options, bool is_unchanged,
+              const Parameters& parameters) {
   const std::string failure = first_failure(answer.rejected_grasps);
   if (!options.explain_rejected) answer.rejected_grasps.clear();
   if (answer.grasps.empty()) {
-    return finished(answer, Outcome::kAllInCollision,
-                    failure.empty()
-                        ? "no part has a place that the gripper could hold"
-                        : fmt::format("every grasp fails a check; the first: {}", failure));
+    finish(answer, Outcome::kAllInCollision,
+           fmt::format("every grasp fails a check; the first: {}", failure));
+  } else if (is_unchanged) {
+    finish(answer, Outcome::kUnchanged,
+           fmt::format("no object moved by more than {:.1f} mm since the last plan",
+                       parameters.displacement.threshold_m * 1e3));
   }
-  if (is_unchanged) {
-    return finished(answer, Outcome::kUnchanged,
-                    fmt::format("no segment moved by more than {:.1f} mm since the last plan",
-                                parameters.displacement.threshold_m * 1e3));
-  }
-  return std::move(answer);
 }
 
 /// The scene, and what the answer says of it.
 Scene look(const DepthFrame& frame, const PlanRequest& request, const PartList& parts,
            const Parameters& parameters, PlanAnswer& answer) {
-  Scene scene = prepare_scene(frame, request, largest_diameter_m(parts), parameters);
+  Scene scene = prepare_readings(frame, request, largest_diameter_m(parts), parameters);
   if (!scene.seen) scene.seen = seen_in_workspace(frame, request, parameters.preprocess);
   answer.funnel = scene.funnel;
   answer.fill_level = scene.fill_level;
@@ -238,6 +216,79 @@ Scene look(const DepthFrame& frame, const PlanRequest& request, const PartList& 
                                     parameters.registration.min_explained_px),
                     std::back_inserter(answer.warnings));
   return scene;
+}
+
+/// A bin that lies elsewhere is warned of.
+/// \returns why there is none to plan in, where nothing of it is seen or it lies too far away.
+std::optional<std::string> misplaced_bin(const DepthFrame& frame, const PlanRequest& request,
+                                         const Scene& scene, const PreprocessParameters& parameters,
+                                         std::vector<std::string>& warnings) {
+  if (scene.funnel.after_passthrough_n == 0) {
+    return fmt::format(
+        "none of the {} readings lies where the request says the bin is; check "
+        "T_base_camera, T_base_bin and the intrinsics",
+        scene.funnel.readings_n);
+  }
+  if (!request.bin) return std::nullopt;
+  const auto drift =
+      find_bin_drift(frame, request.T_base_camera.inverse() * request.bin->T_base_bin,
+                     request.bin->inner_size_m, parameters);
+  if (!drift || drift->corner_m <= parameters.bin_drift_warning_m) return std::nullopt;
+  if (drift->corner_m > parameters.max_bin_drift_m) return sentence_of(*drift);
+  warnings.push_back(sentence_of(*drift));
+  return std::nullopt;
+}
+
+/// Where nothing hangs together: a bare floor, or readings that are no surface.
+void finish_without_segments(const Funnel& funnel, PlanAnswer& answer) {
+  if (funnel.after_plane_n > kClutterShare * funnel.after_voxel_grid_n) {
+    finish(answer, Outcome::kNoneRegistered,
+           fmt::format("{} of {} points lie above the floor, but no part's worth of them hangs "
+                       "together: they are noise, or no surface; check the camera",
+                       funnel.after_plane_n, funnel.after_voxel_grid_n));
+  } else {
+    finish(answer, Outcome::kBinEmpty,
+           fmt::format("{} points lie above the floor, too few for a part", funnel.after_plane_n));
+  }
+}
+
+enum class Found {
+  kNothing,   ///< the answer is finished
+  kLastPlan,  ///< its remaining objects stand
+  kAnew,
+};
+
+/// Finds the objects: in segments, or where the centroids of these say that the last plan stands.
+Result<Found> find_objects(const DepthFrame& frame, const PlanRequest& request,
+                           const parts::Catalogue& catalogue, const PartList& parts,
+                           const LastPlan* last_plan, const Parameters& parameters,
+                           const IsLate& is_late, StageClock& clock, Scene& scene,
+                           PlanAnswer& answer) {
+  if (is_late()) return too_late(answer.timings);
+  if (scene.grid) add_normals(scene);
+  const std::vector<Indices> segments =
+      segment(scene.cloud, parts, parameters.preprocess, parameters.segmentation);
+  answer.funnel.segments_n = static_cast<std::uint32_t>(segments.size());
+  if (scene.grid) drop_islands_without_segments(segments, scene);
+  clock.finished("segmentation");
+  if (segments.empty()) {
+    finish_without_segments(scene.funnel, answer);
+    return Found::kNothing;
+  }
+
+  if (is_late()) return too_late(answer.timings);
+  const auto standing =
+      standing_by_centroids(last_plan, frame, request, scene, segments, catalogue, parameters);
+  answer.objects = standing.empty() ? register_objects(frame, request, scene, segments, parts,
+                                                       parameters, is_late, answer)
+                                    : objects_from(standing);
+  clock.finished("registration");
+  if (is_late()) return too_late(answer.timings);
+  if (answer.objects.empty()) {
+    answer.outcome = Outcome::kNoneRegistered;  // the reason stands already
+    return Found::kNothing;
+  }
+  return standing.empty() ? Found::kAnew : Found::kLastPlan;
 }
 
 }  // namespace
@@ -252,47 +303,41 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
   StageClock clock(answer.timings);
 
   Scene scene = look(frame, request, *parts, parameters, answer);
+  const auto nowhere = misplaced_bin(frame, request, scene, parameters.preprocess, answer.warnings);
   clock.finished("preprocess");
-  if (scene.funnel.after_passthrough_n == 0) {
-    return finished(answer, Outcome::kBinNotFound,
-                    fmt::format("none of the {} readings lies where the request says the bin is; "
-                                "check T_base_camera, T_base_bin and the intrinsics",
-                                scene.funnel.readings_n));
+  if (nowhere) {
+    finish(answer, Outcome::kBinNotFound, *nowhere);
+    return answer;
   }
 
   if (is_late()) return too_late(answer.timings);
-  const std::vector<Indices> segments =
-      segment(scene.cloud, *parts, parameters.preprocess, parameters.segmentation);
-  answer.funnel.segments_n = static_cast<std::uint32_t>(segments.size());
-  if (scene.grid) drop_islands_without_segments(segments, scene);
-  clock.finished("segmentation");
-  if (segments.empty()) {
-    return finished(answer, Outcome::kBinEmpty,
-                    fmt::format("{} points lie above the floor, too few for a part",
-                                scene.funnel.after_plane_n));
-  }
-
-  if (is_late()) return too_late(answer.timings);
-  const auto standing = standing_objects(request, scene.cloud, segments, parameters);
+  const LastPlan* const last_plan = comparable_last_plan(request, answer.warnings);
+  answer.objects =
+      objects_from(standing_by_readings(last_plan, request, scene, catalogue, parameters));
+  bool is_unchanged = !answer.objects.empty();
   clock.finished("displacement");
-  answer.objects = standing ? objects_from(*standing, frame, request.T_base_camera, catalogue,
-                                           parameters.registration.inlier_tolerance_m)
-                            : register_objects(frame, request, scene, segments, *parts, parameters,
-                                               is_late, answer);
-  answer.funnel.registered_n = static_cast<std::uint32_t>(answer.objects.size());
-  clock.finished("registration");
-  if (is_late()) return too_late(answer.timings);
-  if (answer.objects.empty()) {
-    return finished(answer, Outcome::kNoneRegistered, std::move(answer.reason));
+  const auto plan_on_objects = [&] {
+    answer.funnel.registered_n = static_cast<std::uint32_t>(answer.objects.size());
+    plan_grasps(request, catalogue, parameters, scene, answer);
+    clock.finished("grasps");
+  };
+  if (is_unchanged) plan_on_objects();
+  if (answer.grasps.empty()) {
+    // Of what stands, nothing can be grasped: what came to light since may be.
+    forget_objects(answer);
+    const auto found = find_objects(frame, request, catalogue, *parts, last_plan, parameters,
+                                    is_late, clock, scene, answer);
+    if (!found) return tl::unexpected(found.error());
+    if (*found == Found::kNothing) return answer;
+    is_unchanged = *found == Found::kLastPlan;
+    plan_on_objects();
   }
-
-  plan_grasps(request, catalogue, parameters, scene, answer);
-  clock.finished("grasps");
   if (request.options.outlines) {
     draw_outlines(frame, request, catalogue, answer.objects);
     clock.finished("outlines");
   }
-  return concluded(answer, request.options, standing.has_value(), parameters);
+  conclude(answer, request.options, is_unchanged, parameters);
+  return answer;
 }
 
 }  // namespace graspd::perception

@@ -62,6 +62,28 @@ Eigen::Isometry3d PoseHypothesis::T_camera_part() const {
   return T;
 }
 
+PoseHypothesis PoseHypothesis::of(const Eigen::Isometry3d& T_camera_part, std::uint32_t part) {
+  PoseHypothesis pose;
+  pose.part = part;
+  pose.R = T_camera_part.linear().cast<float>();
+  pose.t_m = T_camera_part.translation().cast<float>();
+  return pose;
+}
+
+Evidence evidence_of(const PoseHypothesis& pose) {
+  const PoseCounts& counts = pose.counts;
+  const double tested = std::max(1, counts.tested_n);
+  const double compared = std::max(1, counts.support_n + counts.refute_n);
+  Evidence evidence;
+  evidence.visible_fraction = counts.support_n / tested;
+  evidence.refuted_fraction = counts.refute_n / tested;
+  evidence.inlier_fraction = counts.support_n / compared;
+  evidence.rms_m = std::sqrt(counts.error2_sum / std::max(1.0, double(counts.support_n))) *
+                   static_cast<double>(PackedDepth::kUnit_m);
+  evidence.score = std::clamp(static_cast<double>(pose.score), 0.0, 1.0);
+  return evidence;
+}
+
 const parts::View& PoseVerifier::view(const PoseHypothesis& pose) const {
   return part(pose).registration.view_from(-(pose.R.transpose() * pose.t_m));
 }

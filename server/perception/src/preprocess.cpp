@@ -89,12 +89,18 @@ Scene preprocess(const DepthFrame& frame, const PlanRequest& request, double par
   return scene;
 }
 
+Scene prepare_readings(const DepthFrame& frame, const PlanRequest& request, double part_diameter_m,
+                       const Parameters& parameters) {
+  const auto prepare =
+      parameters.segmentation.method == Segmentation::kGridDbscan ? organised_readings : preprocess;
+  return prepare(frame, request, part_diameter_m, parameters.preprocess);
+}
+
 Scene prepare_scene(const DepthFrame& frame, const PlanRequest& request, double part_diameter_m,
                     const Parameters& parameters) {
-  const auto prepare = parameters.segmentation.method == Segmentation::kGridDbscan
-                           ? preprocess_organised
-                           : preprocess;
-  return prepare(frame, request, part_diameter_m, parameters.preprocess);
+  Scene scene = prepare_readings(frame, request, part_diameter_m, parameters);
+  if (scene.grid) add_normals(scene);
+  return scene;
 }
 
 }  // namespace graspd::perception

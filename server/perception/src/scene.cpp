@@ -13,27 +13,33 @@ constexpr double kFloorMismatch_m = 0.03;
 constexpr double kFillCell_m = 0.005;
 constexpr double kCropDiameters = 2;
 
-/// How full the bin is: the mean over cells of the floor that are seen of the height there.
+/// How full the bin is: the mean over cells of the floor that are seen of the mean height there.
+/// Cells count alike, however many readings the camera has of each.
 double fill_level(const Cloud& cloud, const Workspace& workspace) {
   const Eigen::Isometry3f T_workspace_camera = workspace.T_camera_workspace.inverse().cast<float>();
   const auto cells_x = static_cast<int>(std::ceil(workspace.size_m.x() / kFillCell_m));
   const auto cells_y = static_cast<int>(std::ceil(workspace.size_m.y() / kFillCell_m));
-  std::vector<float> top_m(static_cast<std::size_t>(cells_x) * cells_y, -1);
+  struct Cell {
+    float height_sum_m = 0;
+    int points_n = 0;
+  };
+  std::vector<Cell> cells(static_cast<std::size_t>(cells_x) * cells_y);
   for (const auto& p_camera : cloud.points_m) {
     const Eigen::Vector3f p = T_workspace_camera * p_camera;
-    const auto cell = [](float p_m, double size_m) {
+    const auto index = [](float p_m, double size_m) {
       return static_cast<int>((p_m + size_m / 2) / kFillCell_m);
     };
-    const int x = std::clamp(cell(p.x(), workspace.size_m.x()), 0, cells_x - 1);
-    const int y = std::clamp(cell(p.y(), workspace.size_m.y()), 0, cells_y - 1);
-    float& top = top_m[static_cast<std::size_t>(y) * cells_x + x];
-    top = std::max(top, std::max(p.z(), 0.0f));
+    const int x = std::clamp(index(p.x(), workspace.size_m.x()), 0, cells_x - 1);
+    const int y = std::clamp(index(p.y(), workspace.size_m.y()), 0, cells_y - 1);
+    Cell& cell = cells[static_cast<std::size_t>(y) * cells_x + x];
+    cell.height_sum_m += std::max(p.z(), 0.0f);
+    ++cell.points_n;
   }
   double sum_m = 0;
   int seen_n = 0;
-  for (const float top : top_m) {
-    if (top < 0) continue;
-    sum_m += top;
+  for (const Cell& cell : cells) {
+    if (cell.points_n == 0) continue;
+    sum_m += static_cast<double>(cell.height_sum_m) / cell.points_n;
     ++seen_n;
   }
   return seen_n == 0 ? 0 : std::min(1.0, sum_m / seen_n / workspace.size_m.z());

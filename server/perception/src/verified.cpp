@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 
 #include "graspd/perception/explanation.hpp"
 #include "graspd/perception/hypotheses.hpp"
@@ -42,20 +41,6 @@ Eigen::Vector3d segment_centroid_m(const DepthGrid& grid, const std::vector<std:
         grid.point_m(static_cast<int>(cell % width), static_cast<int>(cell / width)).cast<double>();
   }
   return sum / static_cast<double>(cells.size());
-}
-
-Evidence evidence_of(const PoseHypothesis& pose) {
-  const PoseCounts& counts = pose.counts;
-  const double tested = std::max(1, counts.tested_n);
-  const double compared = std::max(1, counts.support_n + counts.refute_n);
-  Evidence evidence;
-  evidence.visible_fraction = counts.support_n / tested;
-  evidence.refuted_fraction = counts.refute_n / tested;
-  evidence.inlier_fraction = counts.support_n / compared;
-  evidence.rms_m = std::sqrt(counts.error2_sum / std::max(1.0, double(counts.support_n))) *
-                   static_cast<double>(PackedDepth::kUnit_m);
-  evidence.score = std::clamp(static_cast<double>(pose.score), 0.0, 1.0);
-  return evidence;
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ template <class Visitor>
 void visit(perception::PreprocessParameters& p, Visitor& section) {
   auto& [min_depth_m, max_depth_m, voxel_m, wall_margin_m, heap_m, plane_tolerance_m,
          plane_iterations_n, plane_min_share, max_behind_plane_share, normal_neighbours_n,
-         wall_bow_m, wall_reach_m] = p;
+         wall_bow_m, wall_reach_m, bin_drift_warning_m, max_bin_drift_m] = p;
   section.number("min_depth_m", min_depth_m, 0, 10);
   section.number("max_depth_m", max_depth_m, 0.01, 20);
   section.number("voxel_m", voxel_m, 0, 0.1);
@@ -32,6 +32,8 @@ void visit(perception::PreprocessParameters& p, Visitor& section) {
   section.number("normal_neighbours_n", normal_neighbours_n, 3, 1000);
   section.number("wall_bow_m", wall_bow_m, -0.1, 0.1);
   section.number("wall_reach_m", wall_reach_m, 1e-3, 1);
+  section.number("bin_drift_warning_m", bin_drift_warning_m, 0, 1);
+  section.number("max_bin_drift_m", max_bin_drift_m, 0, 1);
 }
 
 template <class Visitor>
@@ -149,7 +151,8 @@ void visit(perception::CollisionParameters& p, Visitor& section) {
 
 template <class Visitor>
 void visit(perception::DisplacementParameters& p, Visitor& section) {
-  auto& [threshold_m] = p;
+  auto& [check, threshold_m] = p;
+  section.choice("check", check);
   section.number("threshold_m", threshold_m, 0, 1);
 }
 

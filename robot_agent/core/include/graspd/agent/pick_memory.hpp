@@ -15,7 +15,7 @@ class PickMemory {
   explicit PickMemory(double failed_spot_radius_m) : radius_m_(failed_spot_radius_m) {}
 
   /// The part was taken away: the other objects should still stand, and what had failed at this
-  /// spot is gone.
+  /// spot is gone. Where there are more than a request may carry, all are registered anew.
   void placed(const PlanAnswer& answer, const Grasp& grasp);
   /// The grasp failed, and may have moved things: the next frame is registered anew.
   void failed(const Grasp& grasp);

@@ -78,9 +78,12 @@ float sharpening_gain(const DepthGrid& grid);
 /// readings where there is no surface, and takes a small part half of its own.
 void sharpen_edges(DepthGrid& grid);
 
-/// Everything else of the grid, from its readings.
+/// Where parts are, and with that what poses are compared with: `is_part` and `packed`.
 /// \param parts_cloud what lies above the floor.
-void complete(const Cloud& parts_cloud, DepthGrid& grid);
+void mark_parts(const Cloud& parts_cloud, DepthGrid& grid);
+
+/// Normals and curvatures of the grid's readings.
+void fit_normals(DepthGrid& grid);
 
 /// All of the above.
 DepthGrid make_depth_grid(const DepthFrame& frame, const Cloud& parts_cloud,

@@ -4,6 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "graspd/parts/catalogue.hpp"
+#include "graspd/perception/depth_grid.hpp"
+#include "graspd/perception/evidence.hpp"
 #include "graspd/perception/parameters.hpp"
 #include "graspd/types/request.hpp"
 
@@ -19,5 +22,25 @@ namespace graspd::perception {
 std::optional<std::vector<LastObject>> unchanged_objects(
     const LastPlan& last_plan, std::span<const Eigen::Vector3d> centroids_base_m,
     const DisplacementParameters& parameters);
+
+/// An object that still stands, with what the new frame says of it.
+struct StandingObject {
+  LastObject last;
+  Evidence evidence;
+};
+
+/// The same question, asked of the readings: no segment is needed, and none has to come out alike
+/// in two frames. An object stayed if its last pose explains about as much of the frame as it did,
+/// the camera sees through next to none of it, and no place `threshold_m` away explains more. What
+/// newly hides an object counts as motion; what is newly seen of it does not, nor does an object
+/// that comes to light: it is planned with the next full plan.
+///
+/// \param grid with parts marked; nothing else of it is read. \param catalogue knows all parts of
+/// the last plan.
+std::optional<std::vector<StandingObject>> standing_objects(const LastPlan& last_plan,
+                                                            const parts::Catalogue& catalogue,
+                                                            const DepthGrid& grid,
+                                                            const Eigen::Isometry3d& T_camera_base,
+                                                            const Parameters& parameters);
 
 }  // namespace graspd::perception

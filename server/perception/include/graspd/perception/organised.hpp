@@ -21,6 +21,12 @@ DepthGrid seen_in_workspace(const DepthFrame& frame, const PlanRequest& request,
 Scene preprocess_organised(const DepthFrame& frame, const PlanRequest& request,
                            double part_diameter_m, const PreprocessParameters& parameters);
 
+/// Its two halves: all that poses are compared with, and what only segments and hypotheses need:
+/// normals, and the cells of the cloud.
+Scene organised_readings(const DepthFrame& frame, const PlanRequest& request,
+                         double part_diameter_m, const PreprocessParameters& parameters);
+void add_normals(Scene& scene);
+
 /// Takes the grid's islands that no segment has a point in for floor: too small for a part, with
 /// nothing around them that could hide the rest. Noise and a bowed floor leave such.
 void drop_islands_without_segments(std::span<const Indices> segments, Scene& scene);

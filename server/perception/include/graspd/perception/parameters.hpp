@@ -21,7 +21,9 @@ struct PreprocessParameters {
   double max_behind_plane_share = 0.02;  ///< nothing lies below a floor
   int normal_neighbours_n = 12;
   double wall_bow_m = 0;  ///< by which the sensor sees a floor bend up towards the bin's walls
-  double wall_reach_m = 0.075;  ///< of that bend: it falls with the square of what is left
+  double wall_reach_m = 0.075;         ///< of that bend: it falls with the square of what is left
+  double bin_drift_warning_m = 0.006;  ///< a bin whose rim is off by more is warned of
+  double max_bin_drift_m = 0.03;       ///< and by more than this it is not found
 };
 
 struct SegmentationParameters {
@@ -121,7 +123,14 @@ struct CollisionParameters {
   double lift_overlap_m = 0.009;    ///< what overlaps with it less widely gives way
 };
 
+/// How the last plan's objects are looked for in a new frame.
+enum class DisplacementCheck {
+  kReadings,   ///< the readings at each object's last pose; of frames with a bin
+  kCentroids,  ///< the paper's: the segments' centroids
+};
+
 struct DisplacementParameters {
+  DisplacementCheck check = DisplacementCheck::kReadings;
   double threshold_m = 0.005;
 };
 
@@ -137,3 +146,11 @@ struct Parameters {
 };
 
 }  // namespace graspd::perception
+
+template <>
+struct graspd::EnumNames<graspd::perception::DisplacementCheck> {
+  static constexpr std::string_view what = "displacement check";
+  static constexpr std::pair<perception::DisplacementCheck, std::string_view> values[] = {
+      {perception::DisplacementCheck::kReadings, "readings"},
+      {perception::DisplacementCheck::kCentroids, "centroids"}};
+};

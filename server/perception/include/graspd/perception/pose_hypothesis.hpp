@@ -8,6 +8,7 @@
 
 #include "graspd/parts/part.hpp"
 #include "graspd/perception/depth_grid.hpp"
+#include "graspd/perception/evidence.hpp"
 #include "graspd/perception/parameters.hpp"
 #include "graspd/perception/refusal.hpp"
 
@@ -30,7 +31,11 @@ struct PoseHypothesis {
 
   Eigen::Vector3f in_camera(const Eigen::Vector3f& p_part_m) const { return R * p_part_m + t_m; }
   Eigen::Isometry3d T_camera_part() const;
+  static PoseHypothesis of(const Eigen::Isometry3d& T_camera_part, std::uint32_t part = 0);
 };
+
+/// What its counts and its score say.
+Evidence evidence_of(const PoseHypothesis& pose);
 
 /// Scores and refines the poses of a list of parts in one image.
 class PoseVerifier {

@@ -26,4 +26,8 @@ Scene preprocess(const DepthFrame& frame, const PlanRequest& request, double par
 Scene prepare_scene(const DepthFrame& frame, const PlanRequest& request, double part_diameter_m,
                     const Parameters& parameters);
 
+/// The same, but for the normals of a scene that has a grid: see `add_normals`.
+Scene prepare_readings(const DepthFrame& frame, const PlanRequest& request, double part_diameter_m,
+                       const Parameters& parameters);
+
 }  // namespace graspd::perception
