@@ -17,7 +17,7 @@ constexpr int kTurns = 15;  ///< that are tried, each way
 constexpr double kTurnStep_rad = 0.008;
 constexpr double kVoteCell_m = 0.002;
 /// Between lines of readings, along a wall; none so near to its ends.
-constexpr double kLineSpacing_m = 0.006;
+constexpr double kLineSpacing_m = 0.008;
 constexpr double kCornerMargin_m = 0.02;
 /// Of a wall's height: the rim itself is blurred, and what lies on the floor is below.
 constexpr double kRimMargin_m = 0.012;
