@@ -69,7 +69,9 @@ TEST_F(ContactModelTest, FindsAPointWhereASearchThroughAllDoesButForAFew) {
       const Vector3f p_m = testing::random_point(random_, 0.08f);
       const bool is_there = distance_m(surface_, p_m) <= within_m;
       const SurfacePoint* found = model_.find_within(p_m, within_m);
-      if (found != nullptr) EXPECT_LE((found->position_m - p_m).norm(), within_m);
+      if (found != nullptr) {
+        EXPECT_LE((found->position_m - p_m).norm(), within_m);
+      }
       there_n += is_there;
       found_n += found != nullptr;
     }

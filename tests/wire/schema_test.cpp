@@ -222,7 +222,9 @@ TEST(Schema, NumbersSayTheirUnits) {
                                                "visible_fraction",
                                                "inlier_fraction",
                                                "refuted_fraction",
-                                               "fill_level"};
+                                               "fill_level",
+                                               "load",    // in parts
+                                               "cover"};  // likewise
   const std::vector<std::string> units = {"_m", "_rad", "_px", "_s"};
   for_each_type([&](const pb::Descriptor& type) {
     for (int i = 0; i < type.field_count(); ++i) {
