@@ -121,6 +121,14 @@ TEST_F(BinDriftTest, PartsAtTheWallsDoNotMoveIt) {
   }
 }
 
+// A cell whose wall_bow_m nobody measured: all walls seem to be nearer to the middle.
+TEST_F(BinDriftTest, WallsThatAreSeenBentDoNotMoveIt) {
+  parameters_.preprocess.wall_bow_m = 0;
+  for (const int blocks_n : {0, 30}) {
+    for (const Placement& placement : kPlacements) expect_found(placement, blocks_n, 0.0015);
+  }
+}
+
 TEST_F(BinDriftTest, WhereNoWallsAreNothingIsSaid) {
   for (const int blocks_n : {0, 10, 30}) {
     EXPECT_FALSE(drift_of(frame_of({}, blocks_n, false))) << blocks_n;

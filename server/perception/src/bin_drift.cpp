@@ -26,6 +26,9 @@ constexpr double kLeastHeight_m = 0.03;
 /// A wall seen flatter than this is not seen.
 constexpr double kLeastFacing_m = 0.02;
 constexpr double kInlier_m = 0.004;
+/// Weight, in readings, of the expectation that walls are seen where they are: it decides only
+/// where no two walls that face each other say how far inwards or outwards they seem to be.
+constexpr double kUnbent_n = 1;
 constexpr int kRefinements = 4;
 /// Of the lines across visible walls, those with a reading on a wall; in each direction at least.
 constexpr double kLeastSeenShare = 0.35;
@@ -41,8 +44,13 @@ struct Wall {
   double length_m;
 };
 
+/// What the readings say of the walls: shift along x and y, turn about z, and by how much farther
+/// out than they are all of them seem to be, since light also comes to the sensor by way of them.
+using Drift = Eigen::Vector4d;
+
 /// A reading that may be on a wall.
 struct WallReading {
+  std::size_t wall;        ///< index
   Eigen::Vector3d normal;  ///< of that wall
   double beyond_m;         ///< the expected wall
   double lever_m;          ///< by how much a turn of 1 rad moves the wall there along its normal
@@ -69,7 +77,8 @@ class WallReader {
         rim_m_(size_m.z()),
         search_m_(std::min(kSearch_m, size_m.head<2>().minCoeff() / 4)) {}
 
-  void read(const Wall& wall) {
+  void read(std::size_t index, const Wall& wall) {
+    wall_ = index;
     // The camera must stand before the wall, not above or behind it.
     if (T_bin_camera_.translation().dot(wall.normal) > wall.offset_m - kLeastFacing_m) return;
     const double half_m = wall.length_m / 2 - kCornerMargin_m;
@@ -112,66 +121,95 @@ class WallReader {
     const double beyond_m = wall.normal.dot(p_m) - wall.offset_m;
     if (p_m.z() < low_m_ || p_m.z() > high_m_ || std::abs(beyond_m) > search_m_) return;
     const double lever_m = wall.normal.dot(Eigen::Vector3d::UnitZ().cross(p_m));
-    readings_.push_back({wall.normal, beyond_m, lever_m, lines_n_});
+    readings_.push_back({wall_, wall.normal, beyond_m, lever_m, lines_n_});
   }
 
   const DepthFrame& frame_;
   Eigen::Isometry3d T_camera_bin_, T_bin_camera_;
   double wall_bow_m_, low_m_, high_m_, rim_m_, search_m_;
   std::vector<WallReading> readings_;
+  std::size_t wall_ = 0;
   int lines_n_ = 0;
 };
 
-/// By how much a reading is off a wall that has drifted.
-double error_m(const WallReading& reading, const Eigen::Vector3d& drift) {
-  return reading.beyond_m - reading.normal.x() * drift.x() - reading.normal.y() * drift.y() -
-         reading.lever_m * drift.z();
+/// What a reading says of the drift: this times the drift is `beyond_m`.
+Eigen::RowVector4d row_of(const WallReading& reading) {
+  return {reading.normal.x(), reading.normal.y(), reading.lever_m, 1};
 }
 
-/// Shift and turn that most readings vote for.
-Eigen::Vector3d most_voted(const std::vector<WallReading>& readings, double search_m) {
+/// By how much a reading is off a wall that has drifted.
+double error_m(const WallReading& reading, const Drift& drift) {
+  return reading.beyond_m - row_of(reading).dot(drift);
+}
+
+/// Walls that face each other are as far apart as they seem to be farther out; where one of them is
+/// not seen, the other says how far it has moved.
+Drift from_peaks(const std::array<double, 4>& beyond_m, const std::array<int, 4>& peak_n,
+                 double turn_rad) {
+  Drift drift(0, 0, turn_rad, 0);
+  int pairs_n = 0;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    if (peak_n[2 * axis] == 0 || peak_n[2 * axis + 1] == 0) continue;
+    drift[3] += (beyond_m[2 * axis] + beyond_m[2 * axis + 1]) / 2;
+    ++pairs_n;
+  }
+  if (pairs_n > 0) drift[3] /= pairs_n;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    double sum_m = 0;
+    int seen_n = 0;
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+      if (peak_n[2 * axis + side] == 0) continue;
+      sum_m += (side == 0 ? 1 : -1) * (beyond_m[2 * axis + side] - drift[3]);
+      ++seen_n;
+    }
+    if (seen_n > 0) drift[static_cast<Eigen::Index>(axis)] = sum_m / seen_n;
+  }
+  return drift;
+}
+
+/// Where most of each wall's readings are, together for the turn that brings them together best.
+Drift most_voted(const std::vector<WallReading>& readings, double search_m) {
   const auto cells_n = static_cast<std::size_t>(2 * search_m / kVoteCell_m) + 1;
-  std::array<std::vector<int>, 2> votes;
-  Eigen::Vector3d best = Eigen::Vector3d::Zero();
+  std::array<std::vector<int>, 4> votes;
+  Drift best = Drift::Zero();
   int most_n = -1;
   for (int turn = -kTurns; turn <= kTurns; ++turn) {
     const double turn_rad = turn * kTurnStep_rad;
-    for (auto& axis : votes) axis.assign(cells_n, 0);
+    for (auto& wall : votes) wall.assign(cells_n, 0);
     for (const WallReading& reading : readings) {
-      const std::size_t axis = reading.normal.x() != 0 ? 0 : 1;
-      const double sign = reading.normal[static_cast<Eigen::Index>(axis)];
-      const double shift_m = sign * (reading.beyond_m - reading.lever_m * turn_rad);
-      if (std::abs(shift_m) > search_m) continue;
-      ++votes[axis][static_cast<std::size_t>((shift_m + search_m) / kVoteCell_m)];
+      const double beyond_m = reading.beyond_m - reading.lever_m * turn_rad;
+      if (std::abs(beyond_m) > search_m) continue;
+      ++votes[reading.wall][static_cast<std::size_t>((beyond_m + search_m) / kVoteCell_m)];
     }
-    Eigen::Vector3d voted(0, 0, turn_rad);
     int votes_n = 0;
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      const auto peak = std::ranges::max_element(votes[axis]);
+    std::array<double, 4> beyond_m{};
+    std::array<int, 4> peak_n{};
+    for (std::size_t wall = 0; wall < 4; ++wall) {
+      const auto peak = std::ranges::max_element(votes[wall]);
+      peak_n[wall] = *peak;
       votes_n += *peak;
-      voted[static_cast<Eigen::Index>(axis)] =
-          (static_cast<double>(peak - votes[axis].begin()) + 0.5) * kVoteCell_m - search_m;
+      beyond_m[wall] =
+          (static_cast<double>(peak - votes[wall].begin()) + 0.5) * kVoteCell_m - search_m;
     }
-    if (votes_n > most_n) {
-      most_n = votes_n;
-      best = voted;
-    }
+    if (votes_n <= most_n) continue;
+    most_n = votes_n;
+    best = from_peaks(beyond_m, peak_n, turn_rad);
   }
   return best;
 }
 
 /// Least squares with Tukey's weights, from nearby.
-Eigen::Vector3d refined(const std::vector<WallReading>& readings, Eigen::Vector3d drift) {
+Drift refined(const std::vector<WallReading>& readings, Drift drift) {
   for (int i = 0; i < kRefinements; ++i) {
-    Eigen::Matrix3d A = Eigen::Matrix3d::Identity() * 1e-9;
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    Eigen::Matrix4d A = Eigen::Vector4d(1e-9, 1e-9, 1e-9, kUnbent_n).asDiagonal();
+    Drift b = Drift::Zero();
     for (const WallReading& reading : readings) {
       const double share = error_m(reading, drift) / kInlier_m;
       if (std::abs(share) >= 1) continue;
       const double weight = (1 - share * share) * (1 - share * share);
-      const Eigen::Vector3d row(reading.normal.x(), reading.normal.y(), reading.lever_m);
-      A += weight * row * row.transpose();
-      b += weight * row * reading.beyond_m;
+      const Eigen::RowVector4d row = row_of(reading);
+      A += weight * row.transpose() * row;
+      b += weight * row.transpose() * reading.beyond_m;
     }
     drift = A.ldlt().solve(b);
   }
@@ -180,7 +218,7 @@ Eigen::Vector3d refined(const std::vector<WallReading>& readings, Eigen::Vector3
 
 /// Whether enough lines have a reading on a wall, in both directions, and next to none just behind
 /// it: noise is as thick there.
-bool is_seen(const std::vector<WallReading>& readings, const Eigen::Vector3d& drift, int lines_n) {
+bool is_seen(const std::vector<WallReading>& readings, const Drift& drift, int lines_n) {
   std::array<int, 2> lines_seen_n{};
   int on_wall_n = 0;
   int behind_n = 0;
@@ -207,10 +245,11 @@ std::optional<BinDrift> find_bin_drift(const DepthFrame& frame,
                                        const PreprocessParameters& parameters) {
   if (inner_size_m.z() < kLeastHeight_m) return std::nullopt;
   WallReader reader(frame, T_camera_bin, inner_size_m, parameters.wall_bow_m);
-  for (const Wall& wall : walls_of(inner_size_m)) reader.read(wall);
+  const auto walls = walls_of(inner_size_m);
+  for (std::size_t i = 0; i < walls.size(); ++i) reader.read(i, walls[i]);
   const auto& readings = reader.readings();
   if (readings.empty()) return std::nullopt;
-  const Eigen::Vector3d drift = refined(readings, most_voted(readings, reader.search_m()));
+  const Drift drift = refined(readings, most_voted(readings, reader.search_m()));
   if (!is_seen(readings, drift, reader.lines_n())) return std::nullopt;
 
   BinDrift found{drift.head<2>(), drift.z(), 0};
