@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <set>
 
-#include "random_pile.hpp"
 #include "pile_objects.hpp"
+#include "random_pile.hpp"
 
 namespace graspd::perception {
 namespace {

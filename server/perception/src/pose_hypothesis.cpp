@@ -155,6 +155,11 @@ std::optional<Refusal> PoseVerifier::refusal(const PoseHypothesis& pose) const {
   if (visible_share < parameters_.min_visible_share) {
     return by("min_visible_share", parameters_.min_visible_share, visible_share);
   }
+  const int unhidden_n = pose.counts.tested_n - pose.counts.hidden_n;
+  const double unhidden_share = double(pose.counts.support_n) / std::max(1, unhidden_n);
+  if (unhidden_share < parameters_.min_unhidden_share) {
+    return by("min_unhidden_share", parameters_.min_unhidden_share, unhidden_share);
+  }
   const float leftover = leftover_share(pose);
   if (leftover > static_cast<float>(parameters_.max_leftover_share)) {
     return by("max_leftover_share", parameters_.max_leftover_share, leftover);

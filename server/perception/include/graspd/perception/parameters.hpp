@@ -66,6 +66,7 @@ struct RegistrationParameters {
   double refuted_weight = 1.5;       ///< of a refuting point over a supporting one
   double max_leftover_share = 0.28;  ///< of the outline: the same surface goes on beyond it
   double min_visible_share = 0.4;    ///< of the view's points: a reading within tolerance
+  double min_unhidden_share = 0.5;   ///< likewise, of those that nothing in front of them hides
   double min_verified_score = 0.35;  ///< of what the view shows: explained less refuted
   double min_explained_px = 40;
 };
