@@ -56,8 +56,10 @@ void keep_promising(const DepthGrid& grid, const PoseVerifier& verifier,
                     const RegistrationParameters& parameters, std::vector<PoseHypothesis>& poses) {
   sort_by_area(verifier, poses);
   std::vector<std::uint8_t> rivals_n(grid.size(), 0);
+  CellMarks marks(grid.size());
+  std::vector<std::size_t> cells;
   std::erase_if(poses, [&](const PoseHypothesis& pose) {
-    const auto cells = verifier.supporting_cells(pose, parameters.coarse_tolerance_m);
+    verifier.supporting_cells(pose, parameters.coarse_tolerance_m, marks, cells);
     const auto contested_n = std::count_if(
         cells.begin(), cells.end(), [&](std::size_t cell) { return rivals_n[cell] >= kRivals; });
     const auto open_n = static_cast<double>(cells.size()) - static_cast<double>(contested_n);
@@ -93,12 +95,15 @@ std::vector<std::uint32_t> choose(const DepthGrid& grid, const PoseVerifier& ver
                                   const RegistrationParameters& parameters,
                                   const std::vector<PoseHypothesis>& poses) {
   std::vector<Candidate> candidates;
+  candidates.reserve(poses.size());
+  CellMarks marks(grid.size());
+  std::vector<std::size_t> cells;
   for (const PoseHypothesis& pose : poses) {
+    verifier.supporting_cells(pose, parameters.inlier_tolerance_m, marks, cells);
     const float pixel_m = pose.t_m.z() / grid.fx_px;
     const auto reach_m = static_cast<float>(kSamePartShare * verifier.part(pose).diameter_m);
     candidates.push_back({verifier.barycentre_m(pose), reach_m, verifier.explained_area_m2(pose),
-                          pixel_m * pixel_m,
-                          verifier.supporting_cells(pose, parameters.inlier_tolerance_m)});
+                          pixel_m * pixel_m, cells});
   }
   return choose_explanation(candidates, grid.size());
 }

@@ -185,18 +185,26 @@ std::size_t keep_best(TemplateMatches& matches, int most) {
 }
 
 void sort_best_first(Poses& poses) {
-  std::stable_sort(poses.begin(), poses.end(),
-                   [](const auto& a, const auto& b) { return a.score > b.score; });
+  std::sort(poses.begin(), poses.end(),
+            [](const auto& a, const auto& b) { return a.score > b.score; });
 }
 
-struct Proposals {
+/// Of one thread.
+struct WorkingMemory {
+  TemplateMatches matches;
   Poses poses;
+};
+
+struct Proposed {
+  std::size_t poses_n = 0;
   std::uint64_t compared_n = 0;
 };
 
-Proposals propose(const DepthGrid& grid, const PoseVerifier& verifier, const Seed& seed,
-                  const parts::Part& part, std::uint32_t part_index,
-                  const RegistrationParameters& parameters, TemplateMatches& matches) {
+/// \param best the best poses are written there, as many as it takes.
+Proposed propose(const DepthGrid& grid, const PoseVerifier& verifier, const Seed& seed,
+                 const parts::Part& part, std::uint32_t part_index,
+                 const RegistrationParameters& parameters, WorkingMemory& memory,
+                 std::span<PoseHypothesis> best) {
   const PoseTemplates& templates = part.registration.templates();
   const auto diameter_m = static_cast<float>(part.diameter_m);
   const double tolerance =
@@ -207,24 +215,23 @@ Proposals propose(const DepthGrid& grid, const PoseVerifier& verifier, const See
     limits.min_cosine = static_cast<float>(std::cos(parameters.normal_tolerance_rad));
   }
   const SeedView view(grid, seed);
-  match_templates(templates, view.sample(diameter_m), limits, matches);
+  match_templates(templates, view.sample(diameter_m), limits, memory.matches);
 
-  Proposals result;
-  result.compared_n = matches.compared_n;
-  const std::size_t count = keep_best(matches, parameters.templates_per_seed_n);
+  const std::size_t count = keep_best(memory.matches, parameters.templates_per_seed_n);
+  memory.poses.clear();
   for (std::size_t i = 0; i < count; ++i) {
     PoseHypothesis pose;
     pose.part = part_index;
-    view.lay(templates, matches.kept[i], pose);
+    view.lay(templates, memory.matches.kept[i], pose);
     if (!verifier.score(pose, PoseVerifier::kCoarsePoints, parameters.coarse_tolerance_m,
                         kEarlyStop))
       continue;
-    if (pose.fit >= static_cast<float>(parameters.min_coarse_score)) result.poses.push_back(pose);
+    if (pose.fit >= static_cast<float>(parameters.min_coarse_score)) memory.poses.push_back(pose);
   }
-  sort_best_first(result.poses);
-  const auto most = static_cast<std::size_t>(parameters.hypotheses_per_seed_n);
-  if (result.poses.size() > most) result.poses.resize(most);
-  return result;
+  sort_best_first(memory.poses);
+  const std::size_t poses_n = std::min(best.size(), memory.poses.size());
+  std::copy_n(memory.poses.begin(), poses_n, best.begin());
+  return {poses_n, memory.matches.compared_n};
 }
 
 /// Barycentres, found by place: cubes at least as wide as a place, with a list of what lies in
@@ -333,18 +340,23 @@ HypothesesFound find_hypotheses(const DepthGrid& grid, const PoseVerifier& verif
                                 std::span<const parts::Part* const> parts,
                                 const RegistrationParameters& parameters) {
   const std::vector<Seed> seeds = choose_seeds(grid, parameters.seed_spacing_m);
-  // Each seed and part has its own slot, so the threads' order does not show in the answer.
-  std::vector<Proposals> proposed(seeds.size() * parts.size());
-  tbb::enumerable_thread_specific<TemplateMatches> working_memory;
+  // Each seed and part has its own slots, so the threads' order does not show in the answer.
+  const auto most = static_cast<std::size_t>(parameters.hypotheses_per_seed_n);
+  Poses slots(seeds.size() * parts.size() * most);
+  std::vector<Proposed> proposed(seeds.size() * parts.size());
+  tbb::enumerable_thread_specific<WorkingMemory> memory;
   parallel_for(proposed.size(), [&](std::size_t i) {
     const std::size_t part = i % parts.size();
     proposed[i] = propose(grid, verifier, seeds[i / parts.size()], *parts[part],
-                          static_cast<std::uint32_t>(part), parameters, working_memory.local());
+                          static_cast<std::uint32_t>(part), parameters, memory.local(),
+                          std::span(slots).subspan(i * most, most));
   });
   HypothesesFound found;
-  for (const Proposals& some : proposed) {
-    found.compared_n += some.compared_n;
-    found.poses.insert(found.poses.end(), some.poses.begin(), some.poses.end());
+  for (std::size_t i = 0; i < proposed.size(); ++i) {
+    found.compared_n += proposed[i].compared_n;
+    const auto first = slots.begin() + static_cast<std::ptrdiff_t>(i * most);
+    found.poses.insert(found.poses.end(), first,
+                       first + static_cast<std::ptrdiff_t>(proposed[i].poses_n));
   }
   keep_distinct(verifier, found.poses, parameters.coarse_per_place_n, {0.006F, 0.25F});
   parallel_for(found.poses.size(),

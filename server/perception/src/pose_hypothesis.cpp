@@ -256,22 +256,25 @@ std::vector<std::size_t> PoseVerifier::explained_cells(const PoseHypothesis& pos
   // The points are about a pixel apart.
   const auto stride = static_cast<std::ptrdiff_t>(grid_.width_px);
   const std::ptrdiff_t around[] = {0, -1, 1, -stride, stride};
-  return open_cells(pose, tolerance_m, around);
+  CellMarks marks(grid_.size());
+  std::vector<std::size_t> cells;
+  add_open_cells(pose, tolerance_m, around, marks, cells);
+  return cells;
 }
 
-std::vector<std::size_t> PoseVerifier::supporting_cells(const PoseHypothesis& pose,
-                                                        double tolerance_m) const {
+void PoseVerifier::supporting_cells(const PoseHypothesis& pose, double tolerance_m,
+                                    CellMarks& marks, std::vector<std::size_t>& cells) const {
   const std::ptrdiff_t itself[] = {0};
-  return open_cells(pose, tolerance_m, itself);
+  marks.clear();
+  cells.clear();
+  add_open_cells(pose, tolerance_m, itself, marks, cells);
 }
 
-std::vector<std::size_t> PoseVerifier::open_cells(const PoseHypothesis& pose, double tolerance_m,
-                                                  std::span<const std::ptrdiff_t> offsets) const {
+void PoseVerifier::add_open_cells(const PoseHypothesis& pose, double tolerance_m,
+                                  std::span<const std::ptrdiff_t> offsets, CellMarks& marks,
+                                  std::vector<std::size_t>& cells) const {
   const parts::PointArrays& points = part(pose).registration.points();
   const parts::View& seen = view(pose);
-  std::vector<bool> is_known(grid_.size(), false);
-  std::vector<std::size_t> cells;
-  cells.reserve(seen.points_n);
   for (std::uint32_t i = seen.first; i < seen.first + seen.points_n; ++i) {
     const Eigen::Vector3f p_m = pose.in_camera(points.position_m(i));
     const std::size_t cell = grid_.cell_of(p_m);
@@ -280,12 +283,9 @@ std::vector<std::size_t> PoseVerifier::open_cells(const PoseHypothesis& pose, do
       const std::size_t near = cell + static_cast<std::size_t>(offset);
       const bool explained = grid_.is_open(near) &&
                              std::abs(grid_.z_m[near] - p_m.z()) <= static_cast<float>(tolerance_m);
-      if (!explained || is_known[near]) continue;
-      is_known[near] = true;
-      cells.push_back(near);
+      if (explained && marks.add(near)) cells.push_back(near);
     }
   }
-  return cells;
 }
 
 }  // namespace graspd::perception

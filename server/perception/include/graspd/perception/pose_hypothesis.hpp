@@ -37,6 +37,23 @@ struct PoseHypothesis {
 /// What its counts and its score say.
 Evidence evidence_of(const PoseHypothesis& pose);
 
+/// Cells that were met already; clearing costs nothing.
+class CellMarks {
+ public:
+  explicit CellMarks(std::size_t cells_n) : met_at_(cells_n, 0) {}
+  void clear() { ++now_; }
+  /// \returns whether the cell is new.
+  bool add(std::size_t cell) {
+    const bool is_new = met_at_[cell] != now_;
+    met_at_[cell] = now_;
+    return is_new;
+  }
+
+ private:
+  std::vector<std::uint32_t> met_at_;
+  std::uint32_t now_ = 1;
+};
+
 /// Scores and refines the poses of a list of parts in one image.
 class PoseVerifier {
  public:
@@ -81,14 +98,17 @@ class PoseVerifier {
 
   /// The cells whose open readings lie within `tolerance_m` of the pose, each once: those that its
   /// points project to.
-  std::vector<std::size_t> supporting_cells(const PoseHypothesis& pose, double tolerance_m) const;
+  /// \param marks of as many cells as the grid has; working memory, as `cells`, which it fills.
+  void supporting_cells(const PoseHypothesis& pose, double tolerance_m, CellMarks& marks,
+                        std::vector<std::size_t>& cells) const;
 
   /// The same with their neighbours.
   std::vector<std::size_t> explained_cells(const PoseHypothesis& pose, double tolerance_m) const;
 
  private:
-  std::vector<std::size_t> open_cells(const PoseHypothesis& pose, double tolerance_m,
-                                      std::span<const std::ptrdiff_t> offsets) const;
+  void add_open_cells(const PoseHypothesis& pose, double tolerance_m,
+                      std::span<const std::ptrdiff_t> offsets, CellMarks& marks,
+                      std::vector<std::size_t>& cells) const;
   std::optional<Refusal> refusal(const PoseHypothesis& pose) const;
   /// \param support of the points within tolerance, each by its weight.
   void set_score(PoseHypothesis& pose, float support) const;
