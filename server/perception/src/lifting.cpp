@@ -8,7 +8,6 @@ namespace graspd::perception {
 namespace {
 
 constexpr int kColumnsAcross = 3;  // of an overlap that counts
-constexpr float kNone_m = std::numeric_limits<float>::max();
 
 }  // namespace
 
@@ -39,8 +38,10 @@ Lifting::Columns Lifting::columns_of(const PlacedPart& part) const {
   // What is above 0 is rounded down without a call.
   const Eigen::Vector2f first(static_cast<float>(columns.x_first),
                               static_cast<float>(columns.y_first));
-  for (const auto& point : part.part->surface) {
-    const Eigen::Vector3f p = R * point.position_m + t_m;
+  const parts::SphereArrays& points = part.part->contact.point_spheres();
+  for (std::size_t k = 0; k < points.size; ++k) {
+    const Eigen::Vector3f p =
+        R * Eigen::Vector3f(points.x_m[k], points.y_m[k], points.z_m[k]) + t_m;
     const Eigen::Vector2f at = p.head<2>() * per_m - first;
     const auto x = std::clamp(static_cast<int>(at.x()), 0, columns.width - 1);
     const auto y = std::clamp(static_cast<int>(at.y()), 0, columns.height - 1);
@@ -48,6 +49,8 @@ Lifting::Columns Lifting::columns_of(const PlacedPart& part) const {
                           static_cast<std::size_t>(x);
     columns.low_m[i] = std::min(columns.low_m[i], p.z());
     columns.high_m[i] = std::max(columns.high_m[i], p.z());
+    columns.lowest_m = std::min(columns.lowest_m, p.z());
+    columns.highest_m = std::max(columns.highest_m, p.z());
   }
   return columns;
 }
@@ -60,6 +63,7 @@ std::optional<std::uint32_t> Lifting::in_the_way(std::size_t target) const {
 }
 
 bool Lifting::is_in_the_way(const Columns& other, const Columns& lifted) const {
+  if (other.highest_m <= lifted.lowest_m + tolerance_m_) return false;
   const int x_first = std::max(other.x_first, lifted.x_first);
   const int x_last = std::min(other.x_first + other.width, lifted.x_first + lifted.width) - 1;
   const int y_first = std::max(other.y_first, lifted.y_first);
