@@ -57,6 +57,7 @@ std::size_t find_spheres_near(const SphereSpan& spheres, const KernelPose& T_gri
     const Place y = place(1, sphere_x, sphere_y, sphere_z);
     const Place z = place(2, sphere_x, sphere_y, sphere_z);
     const auto inside = hn::And(is_in(0, x.cell), hn::And(is_in(1, y.cell), is_in(2, z.cell)));
+    if (hn::AllFalse(di, inside)) continue;
     const auto cell = hn::Add(hn::Mul(hn::Add(hn::Mul(z.cell, height), y.cell), width), x.cell);
     const auto from_centre_m =
         hn::GatherIndex(df, grid.distance_m, hn::IfThenElseZero(inside, cell));  // cell 0 is far

@@ -66,6 +66,7 @@ Pairs<Bearing> find_bearings(std::span<const PlacedPart> parts, const PileParame
 /// Where the part stands on the floor.
 Bearing floor_bearing(const PlacedPart& part, double contact_m) {
   Bearing floor;
+  if (part.barycentre_m().z() > part.part->radius_m + contact_m) return floor;
   const Eigen::Isometry3f T_floor_part = part.T_floor_part.cast<float>();
   for (const parts::SurfacePoint& point : part.part->contact.points()) {
     const Eigen::Vector3f p_m = T_floor_part * point.position_m;
