@@ -42,8 +42,8 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
   CollisionScene collision(scene, placed, request.bin, request.gripper, parameters.collision);
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const Object& object = answer.objects[i];
-    const PartGrasps planned =
-        plan_grasps_of(i, placed, ids, request.gripper, parameters.grasp, collision);
+    const PartGrasps planned = plan_grasps_of(i, placed, ids, request.gripper, parameters.grasp,
+                                              collision, request.options.explain_rejected);
     for (const PlannedGrasp& grasp : planned.free) {
       answer.grasps.push_back(grasp_of(object, grasp, T_base_floor, request.gripper));
     }
@@ -53,6 +53,13 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
     }
     std::ranges::transform(planned.rejected_by_check_n, answer.funnel.rejected_by_check_n,
                            answer.funnel.rejected_by_check_n.begin(), std::plus());
+  }
+  if (answer.grasps.empty() && answer.rejected_grasps.empty() && !placed.empty()) {
+    // Nobody asked why, but that there is no grasp needs a reason.
+    const PartGrasps first = plan_grasps_of(0, placed, ids, request.gripper, parameters.grasp,
+                                            collision, /*explain_rejected=*/true);
+    answer.rejected_grasps.push_back(
+        grasp_of(answer.objects[0], *first.rejected, T_base_floor, request.gripper));
   }
   rank_grasps(request, parameters, answer.objects, answer.grasps);
   const auto most = static_cast<std::size_t>(parameters.grasp.max_grasps_n);
