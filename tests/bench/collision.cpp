@@ -113,7 +113,7 @@ void time_stage(const Frame& frame, Measured& measured) {
   const double stage_us = duration_us([&] {
     CollisionScene scene(frame.scene, frame.truth, frame.request.bin, gripper, {});
     for (std::size_t i = 0; i < frame.truth.size(); ++i) {
-      perception::plan_grasps_of(i, frame.truth, ids, gripper, {}, scene);
+      perception::plan_grasps_of(i, frame.truth, ids, gripper, {}, scene, false);
     }
   });
   const double candidates_us = duration_us([&] {

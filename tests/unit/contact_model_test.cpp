@@ -80,23 +80,30 @@ TEST_F(ContactModelTest, FindsAPointWhereASearchThroughAllDoesButForAFew) {
   EXPECT_GT(found_n, 0.98 * there_n);
 }
 
-TEST_F(ContactModelTest, NoPatchThatTouchesIsRuledOut) {
-  constexpr float kRadius_m = 0.005f;
-  int ruled_out_n = 0;
-  for (int i = 0; i < 20000; ++i) {
-    const Vector3f centre_m = testing::random_point(random_, 0.12f);
-    const bool touches = distance_m(surface_, centre_m) <= kRadius_m + 0.002f;
-    const bool may_touch = model_.may_touch(centre_m, kRadius_m, 0.002f);
-    EXPECT_TRUE(may_touch || !touches) << centre_m.transpose();
-    ruled_out_n += !may_touch;
+TEST_F(ContactModelTest, NoCellIsFartherFromTheTemplateThanItSays) {
+  const DistanceGrid& grid = model_.grid();
+  int near_n = 0;
+  for (std::size_t i = 0; i < grid.distance_m.size(); i += 7) {
+    const auto cell = static_cast<int>(i);
+    const Eigen::Array3i at(cell % grid.size.x(), cell / grid.size.x() % grid.size.y(),
+                            cell / grid.size.x() / grid.size.y());
+    const Vector3f centre_m = grid.origin_m.array() + (at.cast<float>() + 0.5f) / grid.cells_per_m;
+    const float true_m = distance_m(surface_, centre_m);
+    const bool is_near = grid.distance_m[i] < DistanceGrid::kFar_m;
+    if (is_near) {
+      EXPECT_NEAR(grid.distance_m[i], true_m, 1e-5f);
+    } else {
+      EXPECT_GT(true_m, 2 * ContactModel::kMaxDistance_m);
+    }
+    near_n += is_near;
   }
-  EXPECT_GT(ruled_out_n, 10000);
+  EXPECT_GT(near_n, 1000);
+  EXPECT_EQ(grid.distance_m.front(), DistanceGrid::kFar_m);
 }
 
 TEST(ContactModel, WithoutPointsIsNearNothing) {
   EXPECT_EQ(ContactModel().find_within(Vector3f::Zero(), 0.001f), nullptr);
-  EXPECT_FALSE(
-      ContactModel(std::span<const SurfacePoint>()).may_touch(Vector3f::Zero(), 0.001f, 0.001f));
+  EXPECT_TRUE(ContactModel(std::span<const SurfacePoint>()).points().empty());
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ class PlanGrasps : public ::testing::Test {
     std::vector<std::uint32_t> ids;
     for (std::uint32_t i = 0; i < parts.size(); ++i) ids.push_back(i + 1);
     CollisionScene collision(scene_, parts, bin_, gripper_, collision_);
-    return plan_grasps_of(0, parts, ids, gripper_, parameters_, collision);
+    return plan_grasps_of(0, parts, ids, gripper_, parameters_, collision,
+                          /*explain_rejected=*/true);
   }
 
   Scene scene_;

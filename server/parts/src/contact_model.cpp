@@ -16,6 +16,20 @@ constexpr double kPatch_m = 0.006;  ///< edge of the cube that a patch's points 
 
 }  // namespace
 
+void SphereArrays::push_back(const Eigen::Vector3f& centre_m, float radius_of_it_m) {
+  x_m.push_back(centre_m.x());
+  y_m.push_back(centre_m.y());
+  z_m.push_back(centre_m.z());
+  radius_m.push_back(radius_of_it_m);
+  ++size;
+}
+
+void SphereArrays::pad() {
+  for (auto* values : {&x_m, &y_m, &z_m, &radius_m}) {
+    values->resize(size + kPadding, size > 0 ? (*values)[size - 1] : 0);
+  }
+}
+
 ContactModel::ContactModel(std::span<const SurfacePoint> surface) {
   if (surface.empty()) return;
   Eigen::Vector3f low_m = surface.front().position_m;
@@ -30,10 +44,15 @@ ContactModel::ContactModel(std::span<const SurfacePoint> surface) {
   const double reach_m = half_diagonals_m + kMaxDistance_m;
   const auto reach_cells = static_cast<int>(std::ceil(reach_m / cell_m));
   // A quarter aside, so that points in rows are not all on the cells' corners.
-  origin_m_ = low_m.array() - static_cast<float>((reach_cells + 0.25) * cell_m);
-  cells_per_m_ = static_cast<float>(1 / cell_m);
-  size_ = ((high_m - low_m).array() * cells_per_m_).floor().cast<int>() + 2 + 2 * reach_cells;
+  grid_.origin_m = low_m.array() - static_cast<float>((reach_cells + 0.25) * cell_m);
+  grid_.cells_per_m = static_cast<float>(1 / cell_m);
+  grid_.size =
+      ((high_m - low_m).array() * grid_.cells_per_m).floor().cast<int>() + 2 + 2 * reach_cells;
   add_patches(surface);
+  for (const SurfacePoint& point : points_) point_spheres_.push_back(point.position_m, 0);
+  for (const Patch& patch : patches_) patch_spheres_.push_back(patch.centre_m, patch.radius_m);
+  point_spheres_.pad();
+  patch_spheres_.pad();
   fill_cells(cell_m, reach_m);
 }
 
@@ -84,21 +103,21 @@ void ContactModel::add_facets(std::span<const SurfacePoint> patch) {
 }
 
 void ContactModel::fill_cells(double cell_m, double reach_m) {
-  const auto cells_n = static_cast<std::size_t>(size_.prod());
+  const auto cells_n = static_cast<std::size_t>(grid_.size.prod());
   nearest_.assign(cells_n, kNone);
   const auto reach2_m2 = static_cast<float>(reach_m * reach_m);
   std::vector<float> nearest2_m2(cells_n, reach2_m2);
   const auto half_m = static_cast<float>(cell_m / 2);
   const auto reach = static_cast<float>(reach_m);
   for (std::uint32_t k = 0; k < points_.size(); ++k) {
-    const Eigen::Array3f p_m = (points_[k].position_m - origin_m_).array();
-    const Eigen::Array3i first = ((p_m - reach) * cells_per_m_).cast<int>().max(0);
-    const Eigen::Array3i last = ((p_m + reach) * cells_per_m_).cast<int>().min(size_ - 1);
+    const Eigen::Array3f p_m = (points_[k].position_m - grid_.origin_m).array();
+    const Eigen::Array3i first = ((p_m - reach) * grid_.cells_per_m).cast<int>().max(0);
+    const Eigen::Array3i last = ((p_m + reach) * grid_.cells_per_m).cast<int>().min(grid_.size - 1);
     for (int z = first.z(); z <= last.z(); ++z) {
       for (int y = first.y(); y <= last.y(); ++y) {
         for (int x = first.x(); x <= last.x(); ++x) {
           const Eigen::Array3f centre_m =
-              Eigen::Array3f(float(x), float(y), float(z)) / cells_per_m_ + half_m;
+              Eigen::Array3f(float(x), float(y), float(z)) / grid_.cells_per_m + half_m;
           const float distance2_m2 = (centre_m - p_m).square().sum();
           const std::size_t i = index_of({x, y, z});
           if (distance2_m2 >= nearest2_m2[i]) continue;
@@ -107,6 +126,10 @@ void ContactModel::fill_cells(double cell_m, double reach_m) {
         }
       }
     }
+  }
+  for (std::size_t i = 0; i < cells_n; ++i) {
+    const bool is_far = nearest_[i] == kNone;
+    grid_.distance_m.push_back(is_far ? DistanceGrid::kFar_m : std::sqrt(nearest2_m2[i]));
   }
 }
 

@@ -90,7 +90,7 @@ bool CollisionScene::is_on(Check check) const {
 
 void CollisionScene::set_target(std::size_t target) {
   target_ = target;
-  if (free_space_) free_space_->take_out(parts_[target]);
+  is_target_out_ = false;
   held_part_ = lift();
 }
 
@@ -120,6 +120,8 @@ void CollisionScene::check_all(const Eigen::Isometry3d& T_floor_grasp, double op
 Verdict CollisionScene::gripper_cloud(const Eigen::Isometry3d& T_floor_grasp,
                                       const SweptGripper& swept) const {
   if (!free_space_) return {};
+  if (!is_target_out_) free_space_->take_out(parts_[target_]);
+  is_target_out_ = true;
   for (const GripperBox& box : swept.boxes()) {
     if (!free_space_->is_free(box.box_m, T_floor_grasp)) return failed(box);
   }

@@ -84,13 +84,12 @@ void FreeSpace::place(const DepthGrid& seen, const Scene& scene) {
   cy_px_ = seen.cy_px - static_cast<float>(top);
   free_m_.assign(static_cast<std::size_t>(width_px_) * static_cast<std::size_t>(height_px_), 0);
   is_open_.assign(free_m_.size(), kClosed);
+  covered_m_.resize(free_m_.size());
   for (int v = 1; v < seen.height_px - 1; ++v) {
     const std::size_t row = index(1 - left, v - top);
     std::copy_n(&seen.z_m[seen.index(1, v)], seen.width_px - 2, &free_m_[row]);
     for (std::size_t cell = row; cell < row + static_cast<std::size_t>(seen.width_px - 2); ++cell) {
-      if (free_m_[cell] > 0) continue;
-      is_open_[cell] = kOpen;
-      open_.push_back(cell);
+      if (!(free_m_[cell] > 0)) open(cell);
     }
   }
 }
@@ -148,6 +147,13 @@ void FreeSpace::find_tile_minima() {
   }
 }
 
+void FreeSpace::open(std::size_t cell) {
+  covered_m_[cell] = free_m_[cell];
+  free_m_[cell] = kNone_m;
+  is_open_[cell] = kOpen;
+  open_.push_back(cell);
+}
+
 void FreeSpace::fill_from_rim(int steps_n) {
   const std::ptrdiff_t row = width_px_;
   const std::ptrdiff_t around[] = {-row - 1, -row, -row + 1, -1, 1, row - 1, row, row + 1};
@@ -156,10 +162,11 @@ void FreeSpace::fill_from_rim(int steps_n) {
   };
   const auto nearest_beside_m = [&](std::size_t cell) {
     float nearest_m = kNone_m;
-    for (const std::ptrdiff_t offset : around) {
-      const std::size_t other = beside(cell, offset);
-      const bool is_known = is_open_[other] == kClosed && free_m_[other] > 0;
-      if (is_known) nearest_m = std::min(nearest_m, free_m_[other]);
+    for (const float* at_m : {&free_m_[cell] - row, &free_m_[cell], &free_m_[cell] + row}) {
+      // Without a branch: open cells, as this one, hold kNone_m.
+      for (int u = -1; u <= 1; ++u) {
+        nearest_m = std::min(nearest_m, at_m[u] > 0 ? at_m[u] : kNone_m);
+      }
     }
     return nearest_m;
   };
@@ -172,20 +179,28 @@ void FreeSpace::fill_from_rim(int steps_n) {
     for (const std::size_t cell : rim_) filled_.push_back({cell, nearest_beside_m(cell)});
     for (const auto& [cell, value] : filled_) {
       // Without the part the ray sees at least as far as with it.
-      free_m_[cell] = std::max(free_m_[cell], value);
+      free_m_[cell] = std::max(covered_m_[cell], value);
       is_open_[cell] = kClosed;
     }
-    rim_.clear();
+    // Every neighbour is written down and only open ones are counted: a branch would be a guess.
+    rim_.resize(open_.size() + 1);
+    std::size_t rim_n = 0;
     for (const Cell& filled : filled_) {
       for (const std::ptrdiff_t offset : around) {
         const std::size_t other = beside(filled.index, offset);
-        if (is_open_[other] != kOpen) continue;
-        is_open_[other] = kOnRim;
-        rim_.push_back(other);
+        const bool is_open = is_open_[other] == kOpen;
+        rim_[rim_n] = other;
+        rim_n += is_open ? 1 : 0;
+        is_open_[other] = is_open ? kOnRim : is_open_[other];
       }
     }
+    rim_.resize(rim_n);
   }
-  for (const std::size_t cell : open_) is_open_[cell] = kClosed;
+  for (const std::size_t cell : open_) {
+    if (is_open_[cell] == kClosed) continue;
+    free_m_[cell] = covered_m_[cell];
+    is_open_[cell] = kClosed;
+  }
   open_.clear();
 }
 
@@ -204,8 +219,7 @@ void FreeSpace::take_out(const PlacedPart& target) {
       if (nearest_m[x] == Silhouette::kNone_m || free_m_[cell] < nearest_m[x] - tolerance_m)
         continue;
       taken_.push_back({cell, free_m_[cell]});
-      open_.push_back(cell);
-      is_open_[cell] = kOpen;
+      open(cell);
     }
   }
   fill_from_rim(kShadow_px);

@@ -121,38 +121,49 @@ PlannedGrasp nowhere(const PlacedPart& part, const Gripper& gripper) {
   return grasp;
 }
 
+/// What is said of a part that has no free grasp: what every check says of the preferred one.
+PlannedGrasp explained_preferred(std::span<const GraspCandidate> candidates, const PlacedPart& part,
+                                 std::span<const std::uint32_t> ids, const Gripper& gripper,
+                                 const GraspParameters& parameters, const CollisionScene& scene) {
+  if (candidates.empty()) return nowhere(part, gripper);
+  return explained(try_grasp(candidates.front(), gripper, parameters, scene), ids, gripper,
+                   parameters, scene);
+}
+
 }  // namespace
 
 PartGrasps plan_grasps_of(std::size_t target, std::span<const PlacedPart> parts,
                           std::span<const std::uint32_t> ids, const Gripper& gripper,
-                          const GraspParameters& parameters, CollisionScene& scene) {
+                          const GraspParameters& parameters, CollisionScene& scene,
+                          bool explain_rejected) {
   PartGrasps grasps;
+  const auto count_rejected = [&](Check check) {
+    ++grasps.rejected_by_check_n[static_cast<std::size_t>(check)];
+  };
+  scene.set_target(target);
+  // Whether the part can be lifted is the same for all its grasps, and known already.
+  const bool can_be_lifted = !scene.held_part().failed();
+  if (!can_be_lifted) {
+    count_rejected(Check::kHeldPart);
+    if (!explain_rejected) return grasps;
+  }
   const std::vector<GraspCandidate> candidates =
       grasp_candidates(target, parts, gripper, parameters);
-  if (candidates.empty()) {
-    ++grasps.rejected_by_check_n[static_cast<std::size_t>(Check::kOpening)];
-    grasps.rejected = nowhere(parts[target], gripper);
-    return grasps;
-  }
-  scene.set_target(target);
-  // Whether the part can be lifted is the same for all of them: one says it.
-  const bool can_be_lifted = !scene.held_part().failed();
+  if (can_be_lifted && candidates.empty()) count_rejected(Check::kOpening);
   const std::size_t tries_n =
-      can_be_lifted ? static_cast<std::size_t>(parameters.tries_per_part_n) : 1;
-  std::optional<Trial> preferred;
+      can_be_lifted ? static_cast<std::size_t>(parameters.tries_per_part_n) : 0;
   for (std::size_t i = 0; i < std::min(tries_n, candidates.size()); ++i) {
     const Trial trial = try_grasp(candidates[i], gripper, parameters, scene);
-    const auto failure = first_failed(trial.verdicts);
-    if (failure) {
-      ++grasps.rejected_by_check_n[static_cast<std::size_t>(*failure)];
-      if (!preferred) preferred = trial;
+    if (const auto failure = first_failed(trial.verdicts)) {
+      count_rejected(*failure);
       continue;
     }
     grasps.free.push_back(explained(trial, ids, gripper, parameters, scene));
     if (grasps.free.size() == static_cast<std::size_t>(parameters.grasps_per_part_n)) break;
   }
-  if (grasps.free.empty()) {
-    grasps.rejected = explained(*preferred, ids, gripper, parameters, scene);
+  if (grasps.free.empty() && explain_rejected) {
+    grasps.rejected =
+        explained_preferred(candidates, parts[target], ids, gripper, parameters, scene);
   }
   return grasps;
 }

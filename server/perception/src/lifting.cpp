@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "column_kernel.hpp"
+#include "kernel_pose.hpp"
 
 namespace graspd::perception {
 namespace {
 
 constexpr int kColumnsAcross = 3;  // of an overlap that counts
-constexpr float kNone_m = std::numeric_limits<float>::max();
 
 }  // namespace
 
@@ -33,22 +34,25 @@ Lifting::Columns Lifting::columns_of(const PlacedPart& part) const {
   columns.low_m.assign(count, kNone_m);
   columns.high_m.assign(count, -kNone_m);
 
-  const Eigen::Matrix3f R = part.T_floor_part.linear().cast<float>();
-  const Eigen::Vector3f t_m = part.T_floor_part.translation().cast<float>();
-  const auto per_m = static_cast<float>(1 / column_m_);
-  // What is above 0 is rounded down without a call.
-  const Eigen::Vector2f first(static_cast<float>(columns.x_first),
-                              static_cast<float>(columns.y_first));
-  for (const auto& point : part.part->surface) {
-    const Eigen::Vector3f p = R * point.position_m + t_m;
-    const Eigen::Vector2f at = p.head<2>() * per_m - first;
-    const auto x = std::clamp(static_cast<int>(at.x()), 0, columns.width - 1);
-    const auto y = std::clamp(static_cast<int>(at.y()), 0, columns.height - 1);
-    const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns.width) +
-                          static_cast<std::size_t>(x);
-    columns.low_m[i] = std::min(columns.low_m[i], p.z());
-    columns.high_m[i] = std::max(columns.high_m[i], p.z());
+  const parts::SphereArrays& points = part.part->contact.point_spheres();
+  const KernelPose pose = kernel_pose(part.T_floor_part);
+  const ColumnGrid grid{static_cast<float>(1 / column_m_), static_cast<float>(columns.x_first),
+                        static_cast<float>(columns.y_first), columns.width, columns.height};
+  PointColumns placed;
+  for (std::size_t first = 0; first < points.size; first += PointColumns::kMost) {
+    const std::size_t points_n = std::min(PointColumns::kMost, points.size - first);
+    find_columns({&points.x_m[first], &points.y_m[first], &points.z_m[first], points_n}, pose, grid,
+                 placed);
+    for (std::size_t k = 0; k < points_n; ++k) {
+      const auto i = static_cast<std::size_t>(placed.column[k]);
+      // By value: std::min of what is in memory is a branch that nobody can predict.
+      const float z_m = placed.z_m[k], low_m = columns.low_m[i], high_m = columns.high_m[i];
+      columns.low_m[i] = z_m < low_m ? z_m : low_m;
+      columns.high_m[i] = z_m > high_m ? z_m : high_m;
+    }
   }
+  columns.lowest_m = *std::ranges::min_element(columns.low_m);
+  columns.highest_m = *std::ranges::max_element(columns.high_m);
   return columns;
 }
 
@@ -60,6 +64,7 @@ std::optional<std::uint32_t> Lifting::in_the_way(std::size_t target) const {
 }
 
 bool Lifting::is_in_the_way(const Columns& other, const Columns& lifted) const {
+  if (other.highest_m <= lifted.lowest_m + tolerance_m_) return false;
   const int x_first = std::max(other.x_first, lifted.x_first);
   const int x_last = std::min(other.x_first + other.width, lifted.x_first + lifted.width) - 1;
   const int y_first = std::max(other.y_first, lifted.y_first);

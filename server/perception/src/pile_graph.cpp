@@ -1,6 +1,7 @@
 #include "graspd/perception/pile_graph.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -26,22 +27,30 @@ struct Bearing {
   }
 };
 
-/// By the barycentre's z; x and y decide where that is the same.
-bool is_lower(const PlacedPart& a, const PlacedPart& b) {
-  const Eigen::Vector3d a_m = a.barycentre_m();
-  const Eigen::Vector3d b_m = b.barycentre_m();
-  return std::tuple(a_m.z(), a_m.x(), a_m.y()) < std::tuple(b_m.z(), b_m.x(), b_m.y());
+/// Parts with the lowest barycentre first; x and y decide where that is as low.
+std::vector<std::uint32_t> from_the_lowest(std::span<const PlacedPart> parts) {
+  std::vector<std::tuple<double, double, double, std::uint32_t>> places;
+  for (const PlacedPart& part : parts) {
+    const Eigen::Vector3d p_m = part.barycentre_m();
+    places.emplace_back(p_m.z(), p_m.x(), p_m.y(), static_cast<std::uint32_t>(places.size()));
+  }
+  std::ranges::sort(places);
+  std::vector<std::uint32_t> order;
+  for (const auto& place : places) order.push_back(std::get<3>(place));
+  return order;
 }
 
 /// bearings(upper, lower), from the contacts of each two parts.
 Pairs<Bearing> find_bearings(std::span<const PlacedPart> parts, const PileParameters& parameters) {
   Pairs<Bearing> bearings(parts.size());
   const auto least = static_cast<float>(parameters.min_upward);
-  for (std::size_t a = 0; a < parts.size(); ++a) {
+  const std::vector<std::uint32_t> order = from_the_lowest(parts);
+  // One way is enough, and which one must not depend on the parts' order.
+  for (auto lower = order.begin(); lower != order.end(); ++lower) {
+    const std::uint32_t a = *lower;
     const Eigen::Isometry3f T_floor_a = parts[a].T_floor_part.cast<float>();
-    for (std::size_t b = 0; b < parts.size(); ++b) {
-      // One way is enough, and which one must not depend on the parts' order.
-      if (a == b || !is_lower(parts[a], parts[b])) continue;
+    for (auto upper = std::next(lower); upper != order.end(); ++upper) {
+      const std::uint32_t b = *upper;
       visit_near_points(parts[b], parts[a], parameters.contact_m, [&](const NearPoints& near) {
         if (near.normal.dot(near.other.normal) > kFacingCosine) return;
         const Eigen::Vector3f away = (near.other.normal - near.normal).normalized();
@@ -57,6 +66,7 @@ Pairs<Bearing> find_bearings(std::span<const PlacedPart> parts, const PileParame
 /// Where the part stands on the floor.
 Bearing floor_bearing(const PlacedPart& part, double contact_m) {
   Bearing floor;
+  if (part.barycentre_m().z() > part.part->radius_m + contact_m) return floor;
   const Eigen::Isometry3f T_floor_part = part.T_floor_part.cast<float>();
   for (const parts::SurfacePoint& point : part.part->contact.points()) {
     const Eigen::Vector3f p_m = T_floor_part * point.position_m;

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <functional>
 #include <iterator>
 
 #include "check_request.hpp"
+#include "grasp_stage.hpp"
 #include "graspd/perception/bin_drift.hpp"
-#include "graspd/perception/grasp_planning.hpp"
 #include "graspd/perception/organised.hpp"
 #include "graspd/perception/outline.hpp"
 #include "graspd/perception/preprocess.hpp"
@@ -15,8 +14,6 @@
 #include "graspd/perception/segmentation.hpp"
 #include "graspd/perception/verified.hpp"
 #include "last_plan.hpp"
-#include "pile_objects.hpp"
-#include "ranking.hpp"
 #include "why_none.hpp"
 
 namespace graspd::perception {
@@ -137,73 +134,6 @@ void draw_outlines(const DepthFrame& frame, const PlanRequest& request,
   }
 }
 
-Grasp grasp_of(const Object& object, const PlannedGrasp& planned,
-               const Eigen::Isometry3d& T_base_floor, const Gripper& gripper) {
-  Grasp grasp;
-  grasp.object_id = object.id;
-  grasp.pick_point = planned.pick_point;
-  grasp.T_base_grasp = T_base_floor * planned.T_floor_grasp;
-  grasp.opening_width_m = planned.opening_width_m;
-  grasp.standoff_m = gripper.standoff_m;
-  grasp.retreat_m = gripper.retreat_m;
-  grasp.checks = planned.checks;
-  return grasp;
-}
-
-/// GRS of every object, then its grasps, ranked.
-void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
-                 const Parameters& parameters, const Scene& scene, PlanAnswer& answer) {
-  const Eigen::Isometry3d T_base_floor = request.T_base_camera * scene.T_camera_floor;
-  std::vector<PlacedPart> placed;
-  std::vector<std::uint32_t> ids;
-  for (const Object& object : answer.objects) {
-    placed.push_back({catalogue.find(object.part_id), T_base_floor.inverse() * object.T_base_part,
-                      object.score});
-    ids.push_back(object.id);
-  }
-  describe_pile(placed, parameters, answer.objects);
-  CollisionScene collision(scene, placed, request.bin, request.gripper, parameters.collision);
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    const Object& object = answer.objects[i];
-    const PartGrasps planned =
-        plan_grasps_of(i, placed, ids, request.gripper, parameters.grasp, collision);
-    for (const PlannedGrasp& grasp : planned.free) {
-      answer.grasps.push_back(grasp_of(object, grasp, T_base_floor, request.gripper));
-    }
-    if (planned.rejected) {
-      answer.rejected_grasps.push_back(
-          grasp_of(object, *planned.rejected, T_base_floor, request.gripper));
-    }
-    std::ranges::transform(planned.rejected_by_check_n, answer.funnel.rejected_by_check_n,
-                           answer.funnel.rejected_by_check_n.begin(), std::plus());
-  }
-  rank_grasps(request, parameters, answer.objects, answer.grasps);
-  const auto most = static_cast<std::size_t>(parameters.grasp.max_grasps_n);
-  if (answer.grasps.size() > most) answer.grasps.resize(most);
-  answer.funnel.grasps_n = static_cast<std::uint32_t>(answer.grasps.size());
-}
-
-void forget_objects(PlanAnswer& answer) {
-  answer.objects.clear();
-  answer.rejected_grasps.clear();
-  answer.funnel.rejected_by_check_n = {};
-}
-
-/// The outcome of a plan that has objects.
-void conclude(PlanAnswer& answer, const PlanOptions& options, bool is_unchanged,
-              const Parameters& parameters) {
-  const std::string failure = first_failure(answer.rejected_grasps);
-  if (!options.explain_rejected) answer.rejected_grasps.clear();
-  if (answer.grasps.empty()) {
-    finish(answer, Outcome::kAllInCollision,
-           fmt::format("every grasp fails a check; the first: {}", failure));
-  } else if (is_unchanged) {
-    finish(answer, Outcome::kUnchanged,
-           fmt::format("no object moved by more than {:.1f} mm since the last plan",
-                       parameters.displacement.threshold_m * 1e3));
-  }
-}
-
 /// The scene, and what the answer says of it.
 Scene look(const DepthFrame& frame, const PlanRequest& request, const PartList& parts,
            const Parameters& parameters, PlanAnswer& answer) {
@@ -317,7 +247,6 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
   bool is_unchanged = !answer.objects.empty();
   clock.finished("displacement");
   const auto plan_on_objects = [&] {
-    answer.funnel.registered_n = static_cast<std::uint32_t>(answer.objects.size());
     plan_grasps(request, catalogue, parameters, scene, answer);
     clock.finished("grasps");
   };

@@ -12,7 +12,7 @@ namespace {
 constexpr double kVerticalAxis_rad = 1.3;
 /// So many times as far as outside: more than any part is wide from a micrometre on.
 constexpr float kOutside = 1e6F;
-constexpr std::size_t kLanes = 32;  // points at a time
+constexpr std::size_t kLanes = parts::SphereArrays::kPadding;  // points at a time
 using Lanes = Eigen::Array<float, kLanes, 1>;
 
 struct AxisExtent {
@@ -118,20 +118,17 @@ std::optional<double> width_between_jaws_m(const PlacedPart& part,
       (T_floor_grasp.inverse() * part.T_floor_part).matrix().cast<float>();
   const auto half_jaw_m = static_cast<float>(gripper.jaw_size_m.y() / 2);
   const auto jaw_length_m = static_cast<float>(gripper.jaw_size_m.z());
-  const std::vector<parts::SurfacePoint>& surface = part.part->surface;
-  Lanes x_m, y_m, z_m;
-  const auto along = [&](int axis) -> Lanes {
-    return T_grasp_part(axis, 0) * x_m + T_grasp_part(axis, 1) * y_m + T_grasp_part(axis, 2) * z_m +
-           T_grasp_part(axis, 3);
-  };
+  const parts::SphereArrays& points = part.part->contact.point_spheres();
   Lanes reach_m = Lanes::Constant(-1);
-  for (std::size_t first = 0; first < surface.size(); first += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      const auto& p_m = surface[std::min(first + k, surface.size() - 1)].position_m;
-      x_m[k] = p_m.x();
-      y_m[k] = p_m.y();
-      z_m[k] = p_m.z();
-    }
+  // The last ones are the padding, which repeats a point.
+  for (std::size_t first = 0; first < points.size; first += kLanes) {
+    const Eigen::Map<const Lanes> x_m(&points.x_m[first]);
+    const Eigen::Map<const Lanes> y_m(&points.y_m[first]);
+    const Eigen::Map<const Lanes> z_m(&points.z_m[first]);
+    const auto along = [&](int axis) -> Lanes {
+      return T_grasp_part(axis, 0) * x_m + T_grasp_part(axis, 1) * y_m +
+             T_grasp_part(axis, 2) * z_m + T_grasp_part(axis, 3);
+    };
     const Lanes below_m = along(2);
     const Lanes beside_m = along(1).abs() - half_jaw_m;
     const Lanes outside_m = beside_m.max(below_m).max(-jaw_length_m - below_m).max(0.0F);

@@ -20,6 +20,26 @@ struct Patch {
 /// What of a patch faces one way, as one point with the mean normal.
 using Facet = SurfacePoint;
 
+/// Spheres in separate arrays, for kernels that load many at once: of each array kPadding values
+/// beyond the last can be read. They repeat it.
+struct SphereArrays {
+  static constexpr std::size_t kPadding = 32;
+  std::vector<float> x_m, y_m, z_m, radius_m;
+  std::size_t size = 0;
+
+  void push_back(const Eigen::Vector3f& centre_m, float radius_of_it_m);
+  void pad();
+};
+
+/// A grid of cells about a part, and how far each cell's centre is from the nearest template point.
+struct DistanceGrid {
+  static constexpr float kFar_m = 1e3F;  ///< stands for every distance that nobody asks for
+  Eigen::Vector3f origin_m = Eigen::Vector3f::Zero();  ///< the lowest corner
+  Eigen::Array3i size = Eigen::Array3i::Zero();
+  float cells_per_m = 0;
+  std::vector<float> distance_m;  ///< of each cell, x fastest; of the first, a corner: kFar_m
+};
+
 /// A part's template, so that points near another part, and what of that they are near to, are
 /// found without a search: the points in patches, most of which are ruled out as a whole, and a
 /// grid of cells about the part, each of which knows the point that is nearest to its centre.
@@ -34,6 +54,11 @@ class ContactModel {
   /// The template, patch by patch.
   const std::vector<SurfacePoint>& points() const { return points_; }
   const std::vector<Patch>& patches() const { return patches_; }
+  /// The points, with no radius, and the patches, for kernels.
+  const SphereArrays& point_spheres() const { return point_spheres_; }
+  const SphereArrays& patch_spheres() const { return patch_spheres_; }
+  /// No part that touches this one, by kMaxDistance_m, has a patch whose centre is in a far cell.
+  const DistanceGrid& grid() const { return grid_; }
   /// The surface in coarse: about one for each patch, or two where it has an edge or two sides.
   const std::vector<Facet>& facets() const { return facets_; }
 
@@ -46,19 +71,12 @@ class ContactModel {
     if ((point->position_m - p_m).squaredNorm() <= distance_m * distance_m) return point;
     return least_m(p_m, cell, *point) > distance_m ? nullptr : find_around(p_m, distance_m);
   }
-  /// Whether a template point may be within `distance_m` ≤ kMaxDistance_m of a patch that lies
-  /// here; `radius_m` as patches have. Never says no where one is.
-  bool may_touch(const Eigen::Vector3f& centre_m, float radius_m, float distance_m) const {
-    const Eigen::Array3i cell = cell_of(centre_m);
-    const SurfacePoint* point = nearest_to(cell);
-    return point != nullptr && least_m(centre_m, cell, *point) <= radius_m + distance_m;
-  }
 
  private:
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
   Eigen::Array3f in_cells(const Eigen::Vector3f& p_m) const {
-    return (p_m - origin_m_).array() * cells_per_m_;
+    return (p_m - grid_.origin_m).array() * grid_.cells_per_m;
   }
   Eigen::Array3i cell_of(const Eigen::Vector3f& p_m) const {
     return in_cells(p_m).floor().cast<int>();
@@ -66,17 +84,19 @@ class ContactModel {
   /// No template point is nearer to a place in this cell, of whose centre `nearest` is the nearest.
   float least_m(const Eigen::Vector3f& p_m, const Eigen::Array3i& cell,
                 const SurfacePoint& nearest) const {
-    const Eigen::Vector3f centre_m = origin_m_.array() + (cell.cast<float>() + 0.5f) / cells_per_m_;
+    const Eigen::Vector3f centre_m =
+        grid_.origin_m.array() + (cell.cast<float>() + 0.5f) / grid_.cells_per_m;
     return (nearest.position_m - centre_m).norm() - (p_m - centre_m).norm();
   }
   /// Of the cell's centre; null where none is near.
   const SurfacePoint* nearest_to(const Eigen::Array3i& cell) const {
-    if ((cell < 0).any() || (cell >= size_).any()) return nullptr;
+    if ((cell < 0).any() || (cell >= grid_.size).any()) return nullptr;
     const std::uint32_t point = nearest_[index_of(cell)];
     return point == kNone ? nullptr : &points_[point];
   }
   std::size_t index_of(const Eigen::Array3i& cell) const {
-    return static_cast<std::size_t>((cell.z() * size_.y() + cell.y()) * size_.x() + cell.x());
+    return static_cast<std::size_t>((cell.z() * grid_.size.y() + cell.y()) * grid_.size.x() +
+                                    cell.x());
   }
   /// Asks the eight cells whose centres surround the place.
   const SurfacePoint* find_around(const Eigen::Vector3f& p_m, float distance_m) const;
@@ -88,9 +108,8 @@ class ContactModel {
   std::vector<SurfacePoint> points_;
   std::vector<Patch> patches_;
   std::vector<Facet> facets_;
-  Eigen::Vector3f origin_m_ = Eigen::Vector3f::Zero();  ///< the grid's lowest corner
-  Eigen::Array3i size_ = Eigen::Array3i::Zero();
-  float cells_per_m_ = 0;
+  SphereArrays point_spheres_, patch_spheres_;
+  DistanceGrid grid_;
   std::vector<std::uint32_t> nearest_;  ///< of each cell, x fastest
 };
 

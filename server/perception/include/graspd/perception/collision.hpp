@@ -82,7 +82,9 @@ class CollisionScene {
   CollisionParameters parameters_;
   Gripper gripper_;
   std::span<const PlacedPart> parts_;
-  std::optional<FreeSpace> free_space_;
+  /// The target is taken out of it when the first grasp asks: of many parts none does.
+  mutable std::optional<FreeSpace> free_space_;
+  mutable bool is_target_out_ = false;
   std::optional<Bin> bin_;
   std::vector<OrientedBox> walls_;
   std::optional<Lifting> lifting_;

@@ -59,6 +59,8 @@ class FreeSpace {
   void take_out_walls(const Bin& bin, const Eigen::AlignedBox3d& workspace_m);
   void fill_unseen(const Scene& scene);
   void find_tile_minima();
+  /// Until the cell is filled, it holds nothing.
+  void open(std::size_t cell);
   /// Gives the open cells what is beside them, the nearest of it, from the rim inwards in at most
   /// `steps_n` steps. Then none is open.
   void fill_from_rim(int steps_n);
@@ -74,6 +76,7 @@ class FreeSpace {
   // Kept from part to part, to take no memory for each.
   Silhouette silhouette_;
   std::vector<std::uint8_t> is_open_;  ///< of each cell: whether it is to be filled from beside
+  std::vector<float> covered_m_;       ///< of each open cell: what it held
   std::vector<std::size_t> open_, rim_;
   std::vector<Cell> filled_, taken_;
 };

@@ -28,14 +28,17 @@ struct PlannedGrasp {
 
 struct PartGrasps {
   std::vector<PlannedGrasp> free;        ///< the preferred first
-  std::optional<PlannedGrasp> rejected;  ///< the preferred candidate, where none is free
+  std::optional<PlannedGrasp> rejected;  ///< where none is free: the preferred candidate
+  /// A part that can't be lifted counts once, as kHeldPart.
   std::array<std::uint32_t, std::size(EnumNames<Check>::values)> rejected_by_check_n{};
 };
 
 /// \param ids of the parts, as reasons call them.
 /// \param scene its target is set here.
+/// \param explain_rejected whether `rejected` is wanted; it takes all checks of one more candidate.
 PartGrasps plan_grasps_of(std::size_t target, std::span<const PlacedPart> parts,
                           std::span<const std::uint32_t> ids, const Gripper& gripper,
-                          const GraspParameters& parameters, CollisionScene& scene);
+                          const GraspParameters& parameters, CollisionScene& scene,
+                          bool explain_rejected);
 
 }  // namespace graspd::perception

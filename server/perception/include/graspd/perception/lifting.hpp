@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -26,9 +27,12 @@ class Lifting {
   bool meets_wall(std::size_t target, const Bin& bin) const;
 
  private:
+  static constexpr float kNone_m = std::numeric_limits<float>::max();
+
   struct Columns {
     int x_first = 0, y_first = 0, width = 0, height = 0;
-    std::vector<float> low_m, high_m;  ///< low above high where the part is not
+    std::vector<float> low_m, high_m;                ///< low above high where the part is not
+    float lowest_m = kNone_m, highest_m = -kNone_m;  ///< of all
 
     std::size_t index(int x, int y) const {
       return static_cast<std::size_t>(y - y_first) * static_cast<std::size_t>(width) +
