@@ -13,7 +13,6 @@
 namespace graspd {
 namespace {
 
-using ::testing::Contains;
 using ::testing::ElementsAre;
 
 const Eigen::Vector3d kBin_m(0.22, 0.18, 0.12);

@@ -136,7 +136,8 @@ TEST_F(PSystem, CountsWhatASearchThroughAllPointsCounts) {
 TEST(PSystemSupport, IsOneWhereNothingRestsAndFallsWithWhatDoes) {
   EXPECT_EQ(p_system_support(0, 0), 1);
   EXPECT_NEAR(p_system_support(0.5, 0.5), 0.5, 1e-12);
-  for (double load = 0; load < 5; load += 0.5) {
+  for (int i = 0; i < 10; ++i) {
+    const double load = 0.5 * i;
     EXPECT_GT(p_system_support(load, 1), p_system_support(load + 0.5, 1));
     EXPECT_GT(p_system_support(1, load), p_system_support(1, load + 0.5));
   }

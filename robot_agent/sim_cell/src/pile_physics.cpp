@@ -1,6 +1,7 @@
 #include "graspd/sim_cell/pile_physics.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -90,7 +91,8 @@ std::vector<Moved> PilePhysics::lift(std::size_t lifted, std::span<const PiledPa
   piled.world.make_kinematic(body);
   std::vector<Moved> moved(pile.size());
   const double step_m = options.speed_m_s * impl_->options.step_s;
-  for (double height_m = 0; height_m < options.height_m; height_m += step_m) {
+  const auto steps_n = static_cast<int>(std::ceil(options.height_m / step_m));
+  for (int step = 0; step < steps_n; ++step) {
     btTransform T = body->getWorldTransform();
     T.getOrigin() += to_bullet({0, 0, step_m});
     body->setWorldTransform(T);
