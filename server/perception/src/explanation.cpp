@@ -73,21 +73,26 @@ void keep_promising(const DepthGrid& grid, const PoseVerifier& verifier,
 void refine_alone(const PoseVerifier& verifier, const Scene& scene,
                   const RegistrationParameters& parameters, std::vector<PoseHypothesis>& poses,
                   NearestMiss& nearest_miss) {
-  std::vector<std::optional<Refusal>> refusals(poses.size());
+  struct Miss {
+    float nearness = 0;
+    std::optional<Refusal> refusal;
+  };
+  std::vector<Miss> misses(poses.size());
   parallel_for(poses.size(), [&](std::size_t i) {
     PoseHypothesis& pose = poses[i];
-    refusals[i] = verifier.refine(pose);
-    if (refusals[i] || !scene.has_floor) return;
-    const double below_m = below_floor_m(verifier, pose, scene.T_camera_floor);
+    const auto refusal = verifier.refine(pose);
+    if (refusal) {
+      misses[i] = {pose.fit, refusal};
+      return;
+    }
+    const double below_m =
+        scene.has_floor ? below_floor_m(verifier, pose, scene.T_camera_floor) : 0;
     if (below_m <= parameters.max_below_floor_m) return;
     pose.score = 0;
-    refusals[i] =
-        Refusal{&verifier.part(pose), "max_below_floor_m", parameters.max_below_floor_m, below_m};
+    misses[i] = {1 + pose.fit, Refusal{&verifier.part(pose), "max_below_floor_m",
+                                       parameters.max_below_floor_m, below_m}};
   });
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const bool by_floor = refusals[i] && refusals[i]->parameter == "max_below_floor_m";
-    nearest_miss.add(poses[i].fit + (by_floor ? 1 : 0), refusals[i]);
-  }
+  for (const Miss& miss : misses) nearest_miss.add(miss.nearness, miss.refusal);
   std::erase_if(poses, [](const PoseHypothesis& pose) { return pose.score <= 0; });
 }
 

@@ -21,7 +21,7 @@
 namespace graspd::perception {
 
 /// What one check says of one grasp. Without memory of its own: sentences are made of those that
-/// are answered, by `CollisionScene::reports`.
+/// are answered, by `CollisionScene::reason`.
 struct Verdict {
   CheckState state = CheckState::kNotRun;
   std::string_view culprit;            ///< of the gripper, where it failed: "palm", "jaw" or "cup"
