@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "graspd/perception/segmentation.hpp"
+
 namespace graspd::perception {
 namespace {
 
@@ -16,9 +18,7 @@ std::vector<Eigen::Vector3d> centroids_in_base(const Cloud& cloud,
                                                const Eigen::Isometry3d& T_base_camera) {
   std::vector<Eigen::Vector3d> centroids_m;
   for (const Indices& segment : segments) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const std::uint32_t i : segment) sum += cloud.points_m[i].cast<double>();
-    centroids_m.push_back(T_base_camera * (sum / static_cast<double>(segment.size())));
+    centroids_m.push_back(T_base_camera * centroid_m(cloud, segment));
   }
   return centroids_m;
 }

@@ -162,4 +162,10 @@ std::vector<Indices> segment(const Cloud& cloud, std::span<const parts::Part* co
   return segments;
 }
 
+Eigen::Vector3d centroid_m(const Cloud& cloud, const Indices& segment) {
+  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+  for (const std::uint32_t i : segment) sum_m += cloud.points_m[i].cast<double>();
+  return sum_m / static_cast<double>(segment.size());
+}
+
 }  // namespace graspd::perception

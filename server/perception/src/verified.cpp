@@ -5,6 +5,7 @@
 
 #include "graspd/perception/explanation.hpp"
 #include "graspd/perception/hypotheses.hpp"
+#include "graspd/perception/segmentation.hpp"
 
 namespace graspd::perception {
 namespace {
@@ -29,12 +30,10 @@ Eigen::Vector3d segment_centroid_m(const DepthGrid& grid, const std::vector<std:
   for (const std::size_t cell : cells) ++votes[map[cell]];
   votes[0] = 0;
   const auto most = std::max_element(votes.begin(), votes.end());
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   if (*most > 0) {
-    const Indices& segment = segments[static_cast<std::size_t>(most - votes.begin() - 1)];
-    for (const std::uint32_t i : segment) sum += cloud.points_m[i].cast<double>();
-    return sum / static_cast<double>(segment.size());
+    return centroid_m(cloud, segments[static_cast<std::size_t>(most - votes.begin() - 1)]);
   }
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const std::size_t cell : cells) {
     const auto width = static_cast<std::size_t>(grid.width_px);
     sum +=

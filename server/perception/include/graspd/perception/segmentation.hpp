@@ -32,4 +32,7 @@ std::vector<Indices> segment(const Cloud& cloud, std::span<const parts::Part* co
                              const PreprocessParameters& preprocess,
                              const SegmentationParameters& parameters);
 
+/// Of a segment that is not empty, in the camera's optical frame.
+Eigen::Vector3d centroid_m(const Cloud& cloud, const Indices& segment);
+
 }  // namespace graspd::perception
