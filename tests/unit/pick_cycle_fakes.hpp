@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <deque>
 #include <string>
 #include <vector>
@@ -77,10 +76,14 @@ class FakeRobot final : public Arm, public Gripper {
  public:
   explicit FakeRobot(FakeClock& clock) : clock_(clock) {}
 
-  bool reaches(std::span<const Motion> path) override {
-    return std::all_of(path.begin(), path.end(), [&](const Motion& motion) {
-      return motion.T_base_grasp.translation().norm() <= reach_m;
-    });
+  void set_surroundings(const Surroundings& now) override { surroundings = now; }
+  std::optional<std::string> why_not(std::span<const Motion> path) override {
+    for (const Motion& motion : path) {
+      if (motion.T_base_grasp.translation().norm() > reach_m) {
+        return fmt::format("{} is out of reach", name_of(motion.step));
+      }
+    }
+    return std::nullopt;
   }
   Result<void> move(const Motion& motion) override {
     motions.push_back(motion);
@@ -100,6 +103,7 @@ class FakeRobot final : public Arm, public Gripper {
     return held;
   }
 
+  Surroundings surroundings;
   double reach_m = 10;
   std::deque<bool> holds;  ///< answers of the gripper; true after the last
   std::string fails_at;    ///< the order that fails, "close" or the like

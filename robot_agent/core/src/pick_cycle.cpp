@@ -170,7 +170,7 @@ bool PickCycle::choose_grasp() {
   for (std::size_t i = 0; i < answer_.grasps.size(); ++i) {
     const Grasp& grasp = answer_.grasps[i];
     const PickMotions motions = pick_motions(grasp, task_.T_base_place);
-    if (!ports_.arm.reaches(motions.all())) continue;
+    if (ports_.arm.why_not(motions.all())) continue;
     motions_ = motions;
     ChosenGrasp& chosen = record_->chosen.emplace();
     chosen.pick_n = ++picks_n_;

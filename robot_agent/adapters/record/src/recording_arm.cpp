@@ -23,8 +23,6 @@ Result<RecordingArm> RecordingArm::create(const std::filesystem::path& path,
   return RecordingArm(*std::move(lines));
 }
 
-bool RecordingArm::reaches(std::span<const agent::Motion>) { return true; }
-
 Result<void> RecordingArm::move(const agent::Motion& motion) {
   if (motion.step == agent::Step::kPreGrasp) ++pick_n_;
   const Json line = {{"pick", pick_n_},

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "graspd/agent/motions.hpp"
 #include "graspd/types/answer.hpp"
@@ -25,11 +26,18 @@ class Camera {
   virtual Result<std::optional<DepthFrame>> next() = 0;
 };
 
+/// What the arm must keep clear of until it is told anew.
+struct Surroundings {
+  std::optional<Bin> bin;
+  std::vector<Eigen::Vector3f> p_base_m;  ///< readings of the frame that the grasps were planned on
+};
+
 class Arm {
  public:
   virtual ~Arm() = default;
-  /// Whether the arm could do these motions one after the other. Nothing moves.
-  virtual bool reaches(std::span<const Motion> motions) = 0;
+  virtual void set_surroundings(const Surroundings& surroundings) = 0;
+  /// Why the arm can't do these motions one after the other; nothing where it can. Nothing moves.
+  virtual std::optional<std::string> why_not(std::span<const Motion> motions) = 0;
   /// Returns when the arm stands at the pose.
   virtual Result<void> move(const Motion& motion) = 0;
   /// To where the camera sees nothing of the arm.

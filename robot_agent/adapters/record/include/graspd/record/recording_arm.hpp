@@ -24,7 +24,8 @@ class RecordingArm final : public agent::Arm, public agent::Gripper {
  public:
   static Result<RecordingArm> create(const std::filesystem::path& path, const CellFrames& frames);
 
-  bool reaches(std::span<const agent::Motion> motions) override;
+  void set_surroundings(const agent::Surroundings&) override {}
+  std::optional<std::string> why_not(std::span<const agent::Motion>) override { return {}; }
   Result<void> move(const agent::Motion& motion) override;
   Result<void> move_out_of_view() override;
   void stop() override;
