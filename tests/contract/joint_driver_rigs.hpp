@@ -8,6 +8,10 @@
 #include "fake_controller.hpp"
 #include "graspd/agent/joint_driver.hpp"
 #include "graspd/simple_message/driver.hpp"
+#ifdef GRASPD_ROS
+#include "fake_ros_arm.hpp"
+#include "graspd/ros/driver.hpp"
+#endif
 
 /// The arms that `joint_driver_contract_test` runs on. Another one is a function that makes it, and
 /// its line in `kRigs`.
@@ -35,6 +39,19 @@ class SimpleMessageRig final : public JointDriverRig {
   std::unique_ptr<agent::JointDriver> driver_;
 };
 
+#ifdef GRASPD_ROS
+class RosRig final : public JointDriverRig {
+ public:
+  RosRig() { driver_ = ros_arm::connect({.joint_names = FakeRosArm::joint_names()}).value(); }
+  agent::JointDriver& driver() override { return *driver_; }
+
+ private:
+  const bool has_master_ = (need_ros_master(), true);  ///< before the arm, which is a node
+  FakeRosArm arm_{{0, 0.1, 0.2, 0.3, 0.4, 0.5}};
+  std::unique_ptr<agent::JointDriver> driver_;
+};
+#endif
+
 struct NamedRig {
   std::string name;
   std::function<std::unique_ptr<JointDriverRig>()> make;
@@ -48,6 +65,9 @@ NamedRig rig(const char* name) {
 
 inline const NamedRig kRigs[] = {
     rig<SimpleMessageRig>("simple_message"),
+#ifdef GRASPD_ROS
+    rig<RosRig>("ros"),
+#endif
 };
 
 }  // namespace graspd::testing
