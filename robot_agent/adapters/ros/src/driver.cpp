@@ -39,7 +39,7 @@ class Driver final : public agent::JointDriver {
       return ok;
     }
     send(trajectory);
-    const auto done = watch(trajectory);
+    auto done = watch(trajectory);
     if (done) return done;
     return fail(done.error().code, "{}; {}", done.error().message,
                 is_stopped() ? "the arm was stopped"
