@@ -49,6 +49,7 @@ struct Motion {
   Step step = Step::kPreGrasp;
   Path path = Path::kFree;
   Eigen::Isometry3d T_base_grasp = Eigen::Isometry3d::Identity();
+  double opening_width_m = 0;  ///< how far the jaws may be apart meanwhile
 };
 
 /// The six motions of one pick. Above the place the arm keeps the height it retreats by.
