@@ -7,7 +7,7 @@ PickMotions pick_motions(const Grasp& grasp, const Eigen::Isometry3d& T_base_pla
   const auto back_off = Eigen::Translation3d(0, 0, -grasp.standoff_m);
   const auto up = Eigen::Translation3d(0, 0, grasp.retreat_m);
   const auto motion = [&](Step step, Path path, const Eigen::Isometry3d& T) {
-    return Motion{step, path, T, grasp.opening_width_m};
+    return Motion{step, path, T, 1, grasp.opening_width_m};
   };
   return {motion(Step::kPreGrasp, Path::kFree, T_base_grasp * back_off),
           motion(Step::kApproach, Path::kStraight, T_base_grasp),

@@ -31,6 +31,7 @@ JointPath joint_line(const agent::Joints& from_rad, const agent::Joints& to_rad,
   for (int i = 0; i <= steps_n; ++i) {
     path.q_rad.emplace_back(from_rad + (to_rad - from_rad) * i / steps_n);
   }
+  path.q_rad.back() = to_rad;
   path.tip_m.assign(static_cast<std::size_t>(steps_n), 0.0);
   return path;
 }
