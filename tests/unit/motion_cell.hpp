@@ -17,12 +17,6 @@ struct MotionCell {
   agent::Joints out_of_view_rad = joints({-1.57, 0.3, 0.3, 0, 0.97, 0});
   Eigen::Isometry3d T_base_place = down(0.05, 0.30, 0.06);
 
-  static agent::Joints joints(std::initializer_list<double> q_rad) {
-    agent::Joints q(q_rad.size());
-    std::copy(q_rad.begin(), q_rad.end(), q.begin());
-    return q;
-  }
-
   static motion::MotionParameters mounted() {
     motion::MotionParameters parameters;
     // The tips are 0.12 m before the flange, whose z points into the arm.

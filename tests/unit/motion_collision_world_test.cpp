@@ -110,6 +110,14 @@ TEST_F(World, StandsFreeOverTheBinAndSaysWhatItWouldTouch) {
   EXPECT_THAT(touch(at(MotionCell::down(0.05, 0.3, -0.01))), Optional(HasSubstr("the table")));
 }
 
+TEST_F(World, WhatPartsArePutIntoHasWallsToo) {
+  const agent::Joints q_rad = at(MotionCell::down(0.05, 0.35, 0.05));
+  EXPECT_EQ(touch(q_rad), std::nullopt);
+  cell.parameters.place_bin = MotionCell::bin();
+  cell.parameters.place_bin->T_base_bin.translation() = Eigen::Vector3d(0.05, 0.23, 0.005);
+  EXPECT_THAT(touch(q_rad), Optional(HasSubstr("the place bin's wall")));
+}
+
 TEST_F(World, AGuidedGripperMayComeNearTheWallButNotIntoIt) {
   // Jaws 40 mm apart and 8 mm thick, closing along x; the wall's inner face is at x = 0.43. The
   // palm is small, so that it stays out of the question.

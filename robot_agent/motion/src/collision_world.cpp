@@ -4,6 +4,7 @@
 #include <fcl/narrowphase/collision.h>
 
 #include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include "columns.hpp"
@@ -144,10 +145,14 @@ struct CollisionWorld::Impl {
     obstacles.clear();
     ground_m = parameters.table_z_m;
     if (around.bin) {
-      obstacles = bin_obstacles(*around.bin);
+      obstacles = bin_obstacles(*around.bin, "the bin's");
       if (!ground_m) {
         ground_m = around.bin->T_base_bin.translation().z() - around.bin->wall_thickness_m;
       }
+    }
+    if (parameters.place_bin) {
+      auto place = bin_obstacles(*parameters.place_bin, "the place bin's");
+      std::ranges::move(place, std::back_inserter(obstacles));
     }
     if (ground_m) obstacles.push_back(table_obstacle(*ground_m));
   }

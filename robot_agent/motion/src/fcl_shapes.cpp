@@ -50,7 +50,7 @@ bool is_near(const Shape& shape, const Eigen::Vector3d& p_shape_m, double margin
       shape);
 }
 
-std::vector<Obstacle> bin_obstacles(const Bin& bin) {
+std::vector<Obstacle> bin_obstacles(const Bin& bin, std::string_view owner) {
   const double wall_m = std::max(bin.wall_thickness_m, kThinnestWall_m);
   const Eigen::Vector3d inner_m = bin.inner_size_m;
   const double height_m = inner_m.z() + wall_m;  // from the floor's underside
@@ -58,15 +58,15 @@ std::vector<Obstacle> bin_obstacles(const Bin& bin) {
   const auto add = [&](const char* name, const Eigen::Vector3d& size_m,
                        const Eigen::Vector3d& centre_m) {
     obstacles.push_back(
-        {name, std::make_unique<FclObject>(to_fcl(Box{size_m}, 0),
-                                           bin.T_base_bin * Eigen::Translation3d(centre_m))});
+        {fmt::format("{} {}", owner, name),
+         std::make_unique<FclObject>(to_fcl(Box{size_m}, 0),
+                                     bin.T_base_bin * Eigen::Translation3d(centre_m))});
   };
-  add("the bin's floor", {inner_m.x() + 2 * wall_m, inner_m.y() + 2 * wall_m, wall_m},
-      {0, 0, -wall_m / 2});
+  add("floor", {inner_m.x() + 2 * wall_m, inner_m.y() + 2 * wall_m, wall_m}, {0, 0, -wall_m / 2});
   for (const double side : {-1.0, 1.0}) {
-    add("the bin's wall", {wall_m, inner_m.y() + 2 * wall_m, height_m},
+    add("wall", {wall_m, inner_m.y() + 2 * wall_m, height_m},
         {side * (inner_m.x() + wall_m) / 2, 0, height_m / 2 - wall_m});
-    add("the bin's wall", {inner_m.x() + 2 * wall_m, wall_m, height_m},
+    add("wall", {inner_m.x() + 2 * wall_m, wall_m, height_m},
         {0, side * (inner_m.y() + wall_m) / 2, height_m / 2 - wall_m});
   }
   return obstacles;

@@ -5,6 +5,8 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "graspd/agent/ports.hpp"
 #include "graspd/motion/motion_parameters.hpp"
@@ -25,8 +27,8 @@ struct Obstacle {
   std::unique_ptr<FclObject> object;
 };
 
-/// Floor and walls.
-std::vector<Obstacle> bin_obstacles(const Bin& bin);
+/// Floor and walls. \param owner "the bin's"
+std::vector<Obstacle> bin_obstacles(const Bin& bin, std::string_view owner);
 /// A slab whose top is at this height in base.
 Obstacle table_obstacle(double z_m);
 

@@ -16,7 +16,7 @@ struct HeldPart {
   Eigen::Isometry3d T_grasp_part = Eigen::Isometry3d::Identity();  ///< of the shape's centre
 };
 
-/// How an arm is mounted, and how it may move. Lengths in metres; see deploy/cells for each key.
+/// How an arm is mounted, what always stands around it, and how it may move.
 struct MotionParameters {
   IkKind ik = IkKind::kAnno;
   /// The gripper on the flange. Mind that the Anno's flange has its z axis into the arm.
@@ -27,6 +27,8 @@ struct MotionParameters {
   bool allow_turned_gripper = true;
   /// The table's top in base. Without it: the underside of the bin's floor, where there is a bin.
   std::optional<double> table_z_m;
+  /// What parts are put into, where that has walls.
+  std::optional<Bin> place_bin;
   /// Links keep this far from all they must not touch.
   double margin_m = 0.005;
   /// Edge of the columns that the cloud is taken for. What lies under a reading is unknown, and so
