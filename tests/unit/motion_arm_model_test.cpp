@@ -90,6 +90,8 @@ TEST(ArmModel, LimitsComeFromTheFile) {
 /// The Anno's file with one thing changed, and what must be said of it.
 struct Wrong {
   std::string what, from, to, said;
+
+  friend void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.what; }
 };
 
 class WrongUrdf : public ::testing::TestWithParam<Wrong> {};
