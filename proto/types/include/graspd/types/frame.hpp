@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "graspd/types/result.hpp"
@@ -27,6 +29,9 @@ struct DepthFrame {
   CameraIntrinsics camera;
   double depth_scale_m = 0.001;
   std::vector<std::uint16_t> depth;  ///< width × height
+  /// When its exposure began, on the monotonic clock of the cell that took it; recordings don't
+  /// say. Stays in the cell: the server needs no clock.
+  std::optional<std::chrono::nanoseconds> stamp = std::nullopt;
 
   std::uint16_t at(int u, int v) const {
     return depth[static_cast<std::size_t>(v) * static_cast<std::size_t>(camera.width_px) +
