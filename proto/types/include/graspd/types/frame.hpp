@@ -21,6 +21,8 @@ struct CameraIntrinsics {
   double cx_px = 0;
   double cy_px = 0;
   std::array<double, 5> distortion{};  ///< k1, k2, p1, p2, k3; all zero where images are rectified.
+
+  bool operator==(const CameraIntrinsics&) const = default;
 };
 
 /// One depth image, row by row from the top left. 0 is "no reading"; any other value times
