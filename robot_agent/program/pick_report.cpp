@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "graspd/formats/table.hpp"
 
@@ -153,11 +154,13 @@ Table table_of_steps(const std::vector<const PickLine*>& lines) {
     }
   }
   Table table({"step of a placed part", "median ms", "of the cycle"});
+  double steps_ms = 0;
   for (const auto& [step, ms] : by_step) {
-    double total_ms = 0;
-    for (const double one_ms : ms) total_ms += one_ms;
+    const double total_ms = std::reduce(ms.begin(), ms.end());
     table.add({step, fmt::format("{:.1f}", median(ms)), percent(total_ms, cycles_ms)});
+    steps_ms += total_ms;
   }
+  if (!by_step.empty()) table.add({"rest", "-", percent(cycles_ms - steps_ms, cycles_ms)});
   return table;
 }
 

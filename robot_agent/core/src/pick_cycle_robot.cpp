@@ -33,9 +33,9 @@ Result<void> PickCycle::close() {
 Result<bool> PickCycle::holds_something() {
   return order(Step::kCheck, [&]() -> Result<bool> {
     for (int tries_n = 0; tries_n < 2; ++tries_n) {
-      const auto first = ports_.gripper.holds_something();
+      auto first = ports_.gripper.holds_something();
       if (!first) return first;
-      const auto second = ports_.gripper.holds_something();
+      auto second = ports_.gripper.holds_something();
       if (!second || *second == *first) return second;
     }
     return fail(Code::kInternal,

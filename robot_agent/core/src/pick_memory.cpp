@@ -47,7 +47,7 @@ void PickMemory::failed(const Grasp& grasp) {
     return;
   }
   if (failed_spots_.size() == kMaxFailedSpots) failed_spots_.erase(failed_spots_.begin());
-  failed_spots_.push_back({grasp.T_base_grasp.translation(), radius_m_, 1});
+  failed_spots_.push_back({grasp.T_base_grasp.translation(), radius_m_, 1, {}});
 }
 
 void PickMemory::passed_over(const Grasp& grasp, std::string_view reason) {

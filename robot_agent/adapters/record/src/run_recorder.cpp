@@ -27,7 +27,7 @@ Result<fs::path> new_folder(const fs::path& runs, const std::string& name) {
   std::error_code error;
   fs::create_directories(runs, error);
   for (int n = 1; !error; ++n) {
-    const fs::path folder = runs / (n == 1 ? name : fmt::format("{}-{}", name, n));
+    fs::path folder = runs / (n == 1 ? name : fmt::format("{}-{}", name, n));
     if (fs::create_directory(folder, error)) return folder;
   }
   return invalid("{}: no folder can be made for the run's records ({})", runs.string(),

@@ -143,7 +143,7 @@ struct FailedSpot {
   Eigen::Vector3d p_base_m = Eigen::Vector3d::Zero();
   double radius_m = 0.02;
   std::uint32_t failures_n = 1;
-  std::string reason = {};  ///< for whoever reads the request: a short sentence
+  std::string reason;  ///< for whoever reads the request: a short sentence
 };
 
 struct PlanRequest {

@@ -64,7 +64,8 @@ struct Motion {
   Step step = Step::kPreGrasp;
   Path path = Path::kFree;
   Eigen::Isometry3d T_base_grasp = Eigen::Isometry3d::Identity();
-  double speed_share = 1;  ///< of the speed that the arm would take, in (0, 1]
+  double speed_share = 1;      ///< of the speed that the arm would take, in (0, 1]
+  double opening_width_m = 0;  ///< how far the jaws may be apart meanwhile
 };
 
 /// The six motions of one pick. Above the place the arm keeps the height it retreats by.
