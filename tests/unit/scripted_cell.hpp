@@ -18,7 +18,7 @@ inline sim_cell::PhysicsCellOptions scripted_options() {
   options.place.T_base_bin.translation().x() = 0.4;
   options.T_base_camera =
       Eigen::Translation3d(0, 0, 0.75) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
-  options.T_base_grasp =
+  options.start.T_base_grasp =
       Eigen::Translation3d(0.4, 0, 0.35) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
   return options;
 }
@@ -50,7 +50,7 @@ class ScriptedCell {
     return cell->follow(duration_s, [&](double t_s) {
       const double u = t_s / duration_s, s = u * u * (3 - 2 * u);
       const Eigen::Vector3d p = from.translation() + s * (to.translation() - from.translation());
-      return Eigen::Isometry3d(Eigen::Translation3d(p) * q_from.slerp(s, q_to));
+      return sim_cell::RobotPose{Eigen::Translation3d(p) * q_from.slerp(s, q_to), {}};
     });
   }
 

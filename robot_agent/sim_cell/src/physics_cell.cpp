@@ -5,6 +5,7 @@
 
 #include "graspd/sim_cell/bin_mesh.hpp"
 #include "gripper_bodies.hpp"
+#include "link_bodies.hpp"
 #include "obstacles.hpp"
 #include "part_bodies.hpp"
 #include "trace_recorder.hpp"
@@ -50,6 +51,7 @@ struct PhysicsCell::Impl {
   Obstacles obstacles;
   PartBodies parts;
   GripperBodies gripper;
+  LinkBodies links;
   TraceRecorder recorder;
   parts::Mesh bin;
   PickTrace last_trace;
@@ -68,9 +70,13 @@ struct PhysicsCell::Impl {
         obstacles(world, given.bin, given.place),
         parts(world, shapes, pile),
         gripper(world, given.gripper, given.drive, given.parts.friction,
-                T_bin_base * given.T_base_grasp),
+                T_bin_base * given.start.T_base_grasp),
+        links(world, given.links),
         recorder(parts),
-        bin(bin_mesh(given.bin.inner_size_m, given.bin.wall_thickness_m)) {}
+        bin(bin_mesh(given.bin.inner_size_m, given.bin.wall_thickness_m)) {
+    links.move_in_next_step(given.start.T_base_links, T_bin_base);
+    world.step(0);
+  }
 
   double step_s() const { return gripper.is_gripping() ? kFineStep_s : kCoarseStep_s; }
 
@@ -143,12 +149,13 @@ const PhysicsCellOptions& PhysicsCell::options() const { return impl_->options; 
 double PhysicsCell::time_s() const { return impl_->time_s; }
 
 Result<void> PhysicsCell::follow(double duration_s,
-                                 const std::function<Eigen::Isometry3d(double)>& T_base_grasp_at) {
+                                 const std::function<RobotPose(double)>& robot_at) {
   const int steps_n = impl_->steps_in(duration_s);
   for (int i = 1; i <= steps_n; ++i) {
+    const RobotPose robot = robot_at(duration_s * i / steps_n);
+    impl_->links.move_in_next_step(robot.T_base_links, impl_->T_bin_base);
     const Resistance resistance = impl_->step(
-        duration_s / steps_n, impl_->T_bin_base * T_base_grasp_at(duration_s * i / steps_n),
-        impl_->gripper.opening_m());
+        duration_s / steps_n, impl_->T_bin_base * robot.T_base_grasp, impl_->gripper.opening_m());
     if (resistance.force_n > kStall_n || resistance.overlap_m > kStallOverlap_m) {
       return fail(Code::kInternal,
                   "the arm met resistance: {} against {}; it stands where that was", resistance.by,

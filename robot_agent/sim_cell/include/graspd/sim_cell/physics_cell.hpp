@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "graspd/motion/arm_model.hpp"
 #include "graspd/sim_cell/kinect_v2.hpp"
 #include "graspd/sim_cell/pick_trace.hpp"
 #include "graspd/sim_cell/pile.hpp"
@@ -20,6 +21,12 @@ struct GripperDrive {
   double pad_friction = 0.6;  ///< between a jaw and a part
 };
 
+/// Where the robot is: the gripper, and each link of the arm that carries it.
+struct RobotPose {
+  Eigen::Isometry3d T_base_grasp = Eigen::Isometry3d::Identity();
+  std::vector<Eigen::Isometry3d> T_base_links;
+};
+
 /// A cell: a bin of parts on a table, a box to put them into, an overhead Kinect v2, a gripper.
 struct PhysicsCellOptions {
   Bin bin;    ///< its floor is the table's top
@@ -29,7 +36,8 @@ struct PhysicsCellOptions {
   double gloss = 0;  ///< of the parts; see SceneObject
   Gripper gripper;
   GripperDrive drive;
-  Eigen::Isometry3d T_base_grasp = Eigen::Isometry3d::Identity();  ///< at the start
+  std::vector<motion::LinkShape> links;  ///< of the arm; none: the gripper floats
+  RobotPose start;
   PileOptions parts;       ///< density, friction and restitution as the pile was made with
   std::uint64_t seed = 1;  ///< of the sensor's noise
 };
@@ -56,11 +64,10 @@ class PhysicsCell {
   const PhysicsCellOptions& options() const;
   double time_s() const;
 
-  /// Moves the gripper for so long. \param T_base_grasp_at by the time since the motion began
+  /// Moves the robot for so long. \param robot_at by the time since the motion began
   /// \returns INTERNAL where it met more resistance than an arm would push on against: it stands
   /// where that was.
-  Result<void> follow(double duration_s,
-                      const std::function<Eigen::Isometry3d(double)>& T_base_grasp_at);
+  Result<void> follow(double duration_s, const std::function<RobotPose(double)>& robot_at);
   void open(double opening_m);
   /// Until the jaws stand.
   void close();
