@@ -1,16 +1,18 @@
 #include "part_bodies.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 namespace graspd::sim_cell {
 namespace {
 
 constexpr double kTouch_m = 0.0005;
 /// A part that has moved by this much stirs those that touch it.
-constexpr double kStirs_m = 0.00005;
+constexpr double kStirs_m = 0.0002;
+constexpr double kClear_m = 0.01;
 constexpr double kStillFor_s = 0.25;
 constexpr double kStill_m = 0.0005;
-constexpr double kAirDamping = 0.3;
 /// Nothing falls faster: thin walls must not pass through each other.
 constexpr double kMaxSpeed_m_s = 1.0;
 
@@ -25,9 +27,6 @@ PartBodies::PartBodies(BulletWorld& world, const std::vector<PartShape>& shapes,
                   bodies_.size() - 1};
     body.body = world_.make_body(shapes_[part.kind].compound.get(), 0);
     body.body->setUserPointer(&body.label);
-    // Static friction holds a place, so that what is gripped does not creep out.
-    body.body->setCollisionFlags(body.body->getCollisionFlags() |
-                                 btCollisionObject::CF_HAS_FRICTION_ANCHOR);
     place(*body.body, shapes_[part.kind], part.T_bin_part, {0, 0, 0});
     freeze(body);
   }
@@ -57,6 +56,7 @@ void PartBodies::take_away(std::size_t i) {
 }
 
 void PartBodies::set_damping(double damping) {
+  damping_ = damping;
   for (Body& body : bodies_) body.body->setDamping(btScalar(damping), btScalar(damping));
 }
 
@@ -78,6 +78,67 @@ void PartBodies::update(std::span<const Contact> contacts, double step_s) {
       body.T_window = to_metres(body.body->getWorldTransform());
     }
   }
+}
+
+bool PartBodies::pause_if_clear(std::span<const Contact> contacts, double tip_m) {
+  const std::vector<bool> hangs = hanging_in_robot(contacts);
+  double load_low_m = tip_m;
+  double loose_high_m = std::numeric_limits<double>::lowest();
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Body& body = bodies_[i];
+    if (body.is_frozen || body.is_gone) continue;
+    if (hangs[i]) load_low_m = std::min(load_low_m, low_m(body));
+    if (!hangs[i]) loose_high_m = std::max(loose_high_m, high_m(body));
+  }
+  if (load_low_m < loose_high_m + kClear_m) return false;
+  bool any = false;
+  for (std::size_t i = 0; i < size(); ++i) {
+    Body& body = bodies_[i];
+    if (body.is_frozen || body.is_gone || hangs[i]) continue;
+    body.velocity = body.body->getLinearVelocity();
+    body.turn_rate = body.body->getAngularVelocity();
+    freeze(body);
+    body.is_waiting = any = true;
+  }
+  return any;
+}
+
+void PartBodies::resume() {
+  for (Body& body : bodies_) {
+    if (body.is_waiting) thaw(body);
+  }
+}
+
+/// Parts that the robot touches, and what touches those, and so on, of the moving ones.
+std::vector<bool> PartBodies::hanging_in_robot(std::span<const Contact> contacts) const {
+  std::vector<bool> hangs;
+  for (const Body& body : bodies_) hangs.push_back(body.is_touched && !body.is_frozen);
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (const Contact& contact : contacts) {
+      const BodyLabel* a = label_of(contact.a);
+      const BodyLabel* b = label_of(contact.b);
+      if (a == nullptr || b == nullptr || contact.distance_m > kTouch_m) continue;
+      if (a->kind != BodyLabel::Kind::kPart || b->kind != BodyLabel::Kind::kPart) continue;
+      if (hangs[a->part] == hangs[b->part]) continue;
+      const std::size_t other = hangs[a->part] ? b->part : a->part;
+      if (bodies_[other].is_frozen) continue;
+      hangs[other] = grew = true;
+    }
+  }
+  return hangs;
+}
+
+double PartBodies::low_m(const Body& body) const {
+  btVector3 low, high;
+  body.body->getAabb(low, high);
+  return to_metres(low).z();
+}
+
+double PartBodies::high_m(const Body& body) const {
+  btVector3 low, high;
+  body.body->getAabb(low, high);
+  return to_metres(high).z();
 }
 
 void PartBodies::pass_on_motion(std::span<const Contact> contacts) {
@@ -125,9 +186,13 @@ void PartBodies::thaw(Body& body) {
   world_.bullet().removeRigidBody(body.body.get());
   body.body->setMassProps(btScalar(shape.mass_kg), inertia);
   body.body->updateInertiaTensor();
-  body.body->setDamping(btScalar(kAirDamping), btScalar(kAirDamping));
+  body.body->setDamping(btScalar(damping_), btScalar(damping_));
   world_.bullet().addRigidBody(body.body.get(), kMovingParts, btBroadphaseProxy::AllFilter);
   body.is_frozen = false;
+  if (std::exchange(body.is_waiting, false)) {
+    body.body->setLinearVelocity(body.velocity);
+    body.body->setAngularVelocity(body.turn_rate);
+  }
   body.T_thawed = body.T_window = to_metres(body.body->getWorldTransform());
   body.window_s = 0;
 }

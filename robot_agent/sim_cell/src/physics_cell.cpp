@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "graspd/sim_cell/bin_mesh.hpp"
 #include "gripper_bodies.hpp"
@@ -57,6 +58,7 @@ struct PhysicsCell::Impl {
   PickTrace last_trace;
   std::vector<Eigen::Isometry3d> T_base_parts_at_frame;
   double time_s = 0;
+  std::optional<double> paused_at_s;  ///< since then parts wait to move on
   std::uint64_t frames_n = 0;
   bool has_closed = false;  ///< the jaws are closed, on something or on nothing
 
@@ -74,6 +76,7 @@ struct PhysicsCell::Impl {
         links(world, given.links),
         recorder(parts),
         bin(bin_mesh(given.bin.inner_size_m, given.bin.wall_thickness_m)) {
+    parts.set_damping(kAirDamping);
     links.move_in_next_step(given.start.T_base_links, T_bin_base);
     world.step(0);
   }
@@ -88,6 +91,9 @@ struct PhysicsCell::Impl {
     time_s += step_s;
     const std::vector<Contact> contacts = world.contacts();
     parts.update(contacts, step_s);
+    if (gripper.is_gripping() && parts.pause_if_clear(contacts, T_bin_grasp.translation().z())) {
+      paused_at_s = paused_at_s.value_or(time_s);
+    }
     return recorder.record(contacts, step_s, gripper.is_gripping());
   }
 
@@ -102,7 +108,10 @@ struct PhysicsCell::Impl {
     return std::max(1, static_cast<int>(std::ceil(duration_s / step_s() - 1e-9)));
   }
 
+  /// What waited while the gripper was at work moves now, in the time that has passed since.
   void settle() {
+    parts.resume();
+    const double credit_s = time_s - std::exchange(paused_at_s, {}).value_or(time_s);
     const double start_s = time_s;
     while (parts.is_any_loose() && time_s < start_s + kSettleWithin_s) {
       const double tens = (time_s - start_s) / kThickening_s;
@@ -110,6 +119,7 @@ struct PhysicsCell::Impl {
       step(step_s(), gripper.T_bin_grasp(), gripper.opening_m());
     }
     parts.set_damping(kAirDamping);
+    time_s = std::max(start_s, time_s - credit_s);
   }
 
   std::vector<std::size_t> parts_in_place_box() const {
