@@ -55,10 +55,10 @@ class ScriptedCell {
   }
 
   /// As the agent does it: pre-grasp, open, approach, close, lift, transfer, place, release,
-  /// retreat, and the next frame.
-  void pick(const Eigen::Isometry3d& T_base_grasp, double opening_m) {
+  /// retreat, and the next frame. After a resistance the arm stands still.
+  void pick(const Eigen::Isometry3d& T_base_grasp, double opening_m,
+            const Eigen::Isometry3d& T_base_place = down_at(0.4, 0, 0.06)) {
     const Eigen::Isometry3d up = at(0, 0, 0.12);
-    const Eigen::Isometry3d place = down_at(0.4, 0, 0.06);
     const auto go = [this](const Eigen::Isometry3d& to) {
       if (!is_stopped) is_stopped = !move(to);
     };
@@ -68,10 +68,10 @@ class ScriptedCell {
     go(T_base_grasp);
     if (!is_stopped) cell->close();
     go(up * T_base_grasp);
-    go(up * place);
-    go(place);
+    go(up * T_base_place);
+    go(T_base_place);
     cell->open(opening_m);
-    go(up * place);
+    go(up * T_base_place);
     cell->frame();
   }
 

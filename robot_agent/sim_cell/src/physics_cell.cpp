@@ -58,6 +58,7 @@ struct PhysicsCell::Impl {
   PickTrace last_trace;
   std::vector<Eigen::Isometry3d> T_base_parts_at_frame;
   double time_s = 0;
+  bool is_settling = false;
   std::optional<double> paused_at_s;  ///< since then parts wait to move on
   std::uint64_t frames_n = 0;
   bool has_closed = false;  ///< the jaws are closed, on something or on nothing
@@ -91,7 +92,8 @@ struct PhysicsCell::Impl {
     time_s += step_s;
     const std::vector<Contact> contacts = world.contacts();
     parts.update(contacts, step_s);
-    if (gripper.is_gripping() && parts.pause_if_clear(contacts, T_bin_grasp.translation().z())) {
+    if (gripper.is_gripping() && !is_settling &&
+        parts.pause_if_clear(contacts, T_bin_grasp.translation().z())) {
       paused_at_s = paused_at_s.value_or(time_s);
     }
     return recorder.record(contacts, step_s, gripper.is_gripping());
@@ -111,6 +113,7 @@ struct PhysicsCell::Impl {
   /// What waited while the gripper was at work moves now, in the time that has passed since.
   void settle() {
     parts.resume();
+    is_settling = true;
     const double credit_s = time_s - std::exchange(paused_at_s, {}).value_or(time_s);
     const double start_s = time_s;
     while (parts.is_any_loose() && time_s < start_s + kSettleWithin_s) {
@@ -119,6 +122,7 @@ struct PhysicsCell::Impl {
       step(step_s(), gripper.T_bin_grasp(), gripper.opening_m());
     }
     parts.set_damping(kAirDamping);
+    is_settling = false;
     time_s = std::max(start_s, time_s - credit_s);
   }
 
