@@ -21,8 +21,7 @@ struct Held {
   double height_m = 0;
 };
 
-Held hold_box(const PhysicsCellOptions& options) {
-  ScriptedCell scripted({box_mesh(kBox_m)}, {{0, at(0, 0, kBox_m.z() / 2)}}, options);
+Held hold(ScriptedCell& scripted) {
   PhysicsCell& cell = *scripted.cell;
   EXPECT_TRUE(scripted.move(down_at(0, 0, 0.1)));
   cell.open(kWide_m);
@@ -38,6 +37,11 @@ Held hold_box(const PhysicsCellOptions& options) {
   return {(p_grasp_m() - before_m).norm(), cell.parts()[0].T_base_part.translation().z()};
 }
 
+Held hold_box(const PhysicsCellOptions& options) {
+  ScriptedCell scripted({box_mesh(kBox_m)}, {{0, at(0, 0, kBox_m.z() / 2)}}, options);
+  return hold(scripted);
+}
+
 /// Both jaws' friction as a share of the box's weight.
 PhysicsCellOptions gripping_with(double share) {
   const PileOptions parts;
@@ -51,6 +55,15 @@ TEST(PhysicsCellTest, AWellGrippedPartDoesNotSlip) {
   const Held held = hold_box(scripted_options());
   EXPECT_LT(held.slip_m, 0.0001);
   EXPECT_NEAR(held.height_m, 0.15 + kBox_m.z() / 2 - 0.01, 0.001);
+}
+
+TEST(PhysicsCellTest, AHollowPipeGrippedOffItsCentreDoesNotSlip) {
+  Eigen::Isometry3d lying = at(0, 0.012, 0.015);
+  lying.rotate(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
+  ScriptedCell scripted({testing::pipe_mesh(0.015, 0.012, 0.06)}, {{0, lying}});
+  const Held held = hold(scripted);
+  EXPECT_LT(held.slip_m, 0.0001);
+  EXPECT_GT(held.height_m, 0.13);
 }
 
 TEST(PhysicsCellTest, APartFallsWhereTheJawsFrictionIsBelowItsWeight) {
