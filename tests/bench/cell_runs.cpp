@@ -73,6 +73,12 @@ agent::SimCell make_cell(const std::vector<parts::Mesh>& kinds, const sim_cell::
   return {kinds, pile, std::move(options), std::nullopt, floating};
 }
 
+/// An operator would set the arm going again.
+bool is_stopped_by_resistance(const agent::PickCycle& cycle) {
+  return cycle.state() == agent::State::kStopped &&
+         cycle.reason().find("resistance") != std::string::npos;
+}
+
 /// Knows which part the agent means, and waits for the trace of each pick.
 class Judge final : public agent::Observer {
  public:
@@ -171,10 +177,8 @@ Result<BinRow> empty_bin(const parts::Part& part, int parts_n, const Pipeline& p
     }
     bin.reason = cycle.reason();
     cell.physics().frame();
-    const bool was_picking = judge.picks_n > 0;
     report();
-    if (cycle.state() == agent::State::kDone || !was_picking) break;
-    if (!bin.reason.starts_with("pick:") && !bin.reason.starts_with("place:")) break;
+    if (!is_stopped_by_resistance(cycle)) break;
   }
   for (const sim_cell::CellPart& one : cell.physics().parts()) bin.placed_n += one.is_taken_away;
   bin.duration_s = seconds(cell.clock().now());

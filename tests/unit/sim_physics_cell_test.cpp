@@ -66,6 +66,27 @@ TEST(PhysicsCellTest, AHollowPipeGrippedOffItsCentreDoesNotSlip) {
   EXPECT_GT(held.height_m, 0.13);
 }
 
+TEST(PhysicsCellTest, APartIsHeldWhileTheGripperSwings) {
+  ScriptedCell scripted({box_mesh(kBox_m)}, {{0, at(0, 0, kBox_m.z() / 2)}});
+  hold(scripted);
+  PhysicsCell& cell = *scripted.cell;
+  const auto T_grasp_part = [&] {
+    return cell.T_base_grasp().inverse() * cell.parts()[0].T_base_part;
+  };
+  const Eigen::Isometry3d before = T_grasp_part(), from = cell.T_base_grasp();
+  for (const auto& axis :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)}) {
+    constexpr double kSwing_rad = 0.8, kPeriod_s = 1.5;
+    EXPECT_TRUE(cell.follow(kPeriod_s, [&](double t_s) {
+      const double angle = kSwing_rad * std::pow(std::sin(M_PI * t_s / kPeriod_s), 2);
+      return RobotPose{from * Eigen::AngleAxisd(angle, axis), {}};
+    }));
+    const Eigen::Isometry3d moved = before.inverse() * T_grasp_part();
+    EXPECT_LT(moved.translation().norm(), 0.0005) << axis.transpose();
+    EXPECT_LT(Eigen::AngleAxisd(moved.linear()).angle(), 0.02) << axis.transpose();
+  }
+}
+
 TEST(PhysicsCellTest, APartFallsWhereTheJawsFrictionIsBelowItsWeight) {
   for (const double share : {1.3, 2.0}) {
     const Held held = hold_box(gripping_with(share));
@@ -129,7 +150,8 @@ TEST(PickVerdictTest, CollisionWithAnotherPart) {
   const JudgedPick judged = scripted.judged(0);
   EXPECT_EQ(judged.verdict, PickVerdict::kCollision);
   EXPECT_THAT(judged.why, HasSubstr("jaw touched part 1"));
-  EXPECT_TRUE(scripted.is_stopped);
+  ASSERT_TRUE(scripted.is_stopped);
+  EXPECT_TRUE(scripted.move(down_at(0, 0, 0.2))) << "it comes free";
 }
 
 TEST(PickVerdictTest, CollisionWithTheBin) {

@@ -19,7 +19,10 @@ GripperBodies::GripperBodies(BulletWorld& world, const Gripper& gripper, const G
       drive_(drive),
       T_bin_grasp_(T_bin_grasp),
       opening_m_(gripper.max_opening_m) {
-  make_box(palm_, "palm", gripper.palm_size_m, part_friction);
+  // Bullet's slider drives along the line between the bodies' origins: the palm's is where its jaws
+  // slide, below its box. (Elsewhere, a turn of the palm would pass for a motion of the jaws.)
+  make_box(palm_, "palm", gripper.palm_size_m, part_friction,
+           -(gripper.jaw_size_m.z() + gripper.palm_size_m.z()) / 2);
   for (Box& jaw : jaws_) {
     make_box(jaw, "jaw", gripper.jaw_size_m, drive.pad_friction / part_friction);
   }
@@ -35,9 +38,12 @@ GripperBodies::~GripperBodies() {
 }
 
 void GripperBodies::make_box(Box& box, std::string name, const Eigen::Vector3d& size_m,
-                             double friction) {
-  box.shape = std::make_unique<btBoxShape>(to_bullet(Eigen::Vector3d(size_m / 2)));
-  box.shape->setMargin(btScalar(kMargin_m * kScale));
+                             double friction, double z_m) {
+  box.box = std::make_unique<btBoxShape>(to_bullet(Eigen::Vector3d(size_m / 2)));
+  box.box->setMargin(btScalar(kMargin_m * kScale));
+  box.shape = std::make_unique<btCompoundShape>();
+  box.shape->addChildShape(to_bullet(Eigen::Isometry3d(Eigen::Translation3d(0, 0, z_m))),
+                           box.box.get());
   box.body = world_.make_body(box.shape.get(), 0);
   box.label = {BodyLabel::Kind::kRobot, std::move(name), 0};
   box.body->setUserPointer(&box.label);
@@ -56,8 +62,8 @@ Eigen::Isometry3d GripperBodies::T_grasp_jaw(int side, double opening_m) const {
 
 void GripperBodies::move_in_next_step(const Eigen::Isometry3d& T_bin_grasp, double opening_m) {
   T_bin_grasp_ = T_bin_grasp;
-  const double palm_z_m = -gripper_.jaw_size_m.z() - gripper_.palm_size_m.z() / 2;
-  world_.move_in_next_step(palm_.body.get(), T_bin_grasp * Eigen::Translation3d(0, 0, palm_z_m));
+  const Eigen::Translation3d to_slide(0, 0, -gripper_.jaw_size_m.z() / 2);
+  world_.move_in_next_step(palm_.body.get(), T_bin_grasp * to_slide);
   if (is_gripping_) return;
   opening_m_ = opening_m;
   for (std::size_t i = 0; i < jaws_.size(); ++i) {
@@ -114,12 +120,12 @@ void GripperBodies::set_mass(Box& box, double mass_kg) {
 std::unique_ptr<btTypedConstraint> GripperBodies::slider(int side) {
   Eigen::Isometry3d T_out = Eigen::Isometry3d::Identity();
   if (side < 0) T_out.rotate(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));
-  const double palm_jaw_z_m = (gripper_.palm_size_m.z() + gripper_.jaw_size_m.z()) / 2;
   const Eigen::Isometry3d T_palm_out =
-      Eigen::Translation3d(side * gripper_.jaw_size_m.x() / 2, 0, palm_jaw_z_m) * T_out;
+      Eigen::Translation3d(side * gripper_.jaw_size_m.x() / 2, 0, 0) * T_out;
   Box& jaw = jaws_[side < 0 ? 0 : 1];
   auto slider = std::make_unique<btSliderConstraint>(*palm_.body, *jaw.body, to_bullet(T_palm_out),
                                                      to_bullet(T_out), true);
+  slider->setUseFrameOffset(false);  // right for bodies on the slider's line, and only then
   slider->setLowerLinLimit(btScalar(gripper_.min_opening_m / 2 * kScale));
   slider->setUpperLinLimit(btScalar(gripper_.max_opening_m / 2 * kScale));
   slider->setLowerAngLimit(0);

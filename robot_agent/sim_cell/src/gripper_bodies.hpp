@@ -33,12 +33,14 @@ class GripperBodies {
 
  private:
   struct Box {
-    std::unique_ptr<btBoxShape> shape;
+    std::unique_ptr<btBoxShape> box;
+    std::unique_ptr<btCompoundShape> shape;  ///< the box, as it lies about the body's origin
     std::unique_ptr<btRigidBody> body;
     BodyLabel label;
   };
 
-  void make_box(Box& box, std::string name, const Eigen::Vector3d& size_m, double friction);
+  void make_box(Box& box, std::string name, const Eigen::Vector3d& size_m, double friction,
+                double z_m = 0);
   Eigen::Isometry3d T_grasp_jaw(int side, double opening_m) const;
   void set_mass(Box& box, double mass_kg);
   std::unique_ptr<btTypedConstraint> slider(int side);

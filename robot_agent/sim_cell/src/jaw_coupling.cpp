@@ -7,9 +7,9 @@ void JawCoupling::getInfo1(btConstraintInfo1* info) {
   info->nub = 5;
 }
 
-// c = (a + b − 2p) · x = 0 for the jaws' centres a and b, the palm's p and its axis x, which turns
-// with it. The palm's motion is known, so that it stands on the right-hand side:
-// a' · x + b' · x = 2 p' · x − (a + b − 2p) · (ω × x) − erp · c / dt.
+// c = (a + b − 2p) · x = 0 for the jaws' centres a and b, the palm's origin p and its axis x, which
+// turns with it. The palm's motion is known, so that it stands on the right-hand side: a' · x + b'
+// · x = 2 p' · x − (a + b − 2p) · (ω × x) − erp · c / dt.
 void JawCoupling::getInfo2(btConstraintInfo2* info) {
   const btVector3 x = palm_.getWorldTransform().getBasis().getColumn(0);
   const btVector3 sum = m_rbA.getCenterOfMassPosition() + m_rbB.getCenterOfMassPosition() -

@@ -4,7 +4,7 @@
 
 namespace graspd::sim_cell {
 
-/// The rack and pinion of a parallel gripper: both jaws are always as far from the palm's middle.
+/// The rack and pinion of a parallel gripper: both jaws are always as far from the palm's origin.
 /// One row of Jacobian: what one jaw gains along the palm's x, the other loses.
 class JawCoupling final : public btTypedConstraint {
  public:

@@ -26,9 +26,8 @@ constexpr double kJawsStandFor_s = 0.1;
 constexpr double kCloseWithin_s = 3;
 constexpr double kBetweenJaws_m = 0.001;
 
-/// An arm that pushes harder stops.
-constexpr double kStall_n = 50;
-constexpr double kStallOverlap_m = 0.002;
+/// After a stop the arm may move so long against what stopped it, or it would never come free.
+constexpr double kBackOff_s = 0.2;
 
 constexpr double kSettleWithin_s = 4;
 /// While the pile settles the air thickens, as when it was made.
@@ -61,6 +60,7 @@ struct PhysicsCell::Impl {
   bool is_settling = false;
   std::optional<double> paused_at_s;  ///< since then parts wait to move on
   std::uint64_t frames_n = 0;
+  bool is_stalled = false;
   bool has_closed = false;  ///< the jaws are closed, on something or on nothing
 
   Impl(const std::vector<parts::Mesh>& meshes, const Pile& pile, const PhysicsCellOptions& given)
@@ -170,12 +170,13 @@ Result<void> PhysicsCell::follow(double duration_s,
     impl_->links.move_in_next_step(robot.T_base_links, impl_->T_bin_base);
     const Resistance resistance = impl_->step(
         duration_s / steps_n, impl_->T_bin_base * robot.T_base_grasp, impl_->gripper.opening_m());
-    if (resistance.force_n > kStall_n || resistance.overlap_m > kStallOverlap_m) {
-      return fail(Code::kInternal,
-                  "the arm met resistance: {} against {}; it stands where that was", resistance.by,
-                  resistance.what);
-    }
+    const bool backs_off = impl_->is_stalled && duration_s * i / steps_n < kBackOff_s;
+    if (backs_off || !resistance.is_stalling()) continue;
+    impl_->is_stalled = true;
+    return fail(Code::kInternal, "the arm met resistance: {} against {}; it stands where that was",
+                resistance.by, resistance.what);
   }
+  impl_->is_stalled = false;
   return {};
 }
 

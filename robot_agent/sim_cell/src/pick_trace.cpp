@@ -23,9 +23,10 @@ bool is_collision(const Touch& touch, std::optional<std::size_t> intended) {
 std::string sentence(const Touch& touch, std::optional<std::size_t> intended) {
   const bool is_intended = touch.part && touch.part == intended;
   const std::string what = is_intended ? "the intended part" : touch.what;
-  if (touch.force_n <= 0) return fmt::format("{} touched {}", touch.by, what);
-  return fmt::format("{} {} {}, {:.1f} N", touch.by, is_intended ? "pressed on" : "touched", what,
-                     touch.force_n);
+  const std::string_view when = touch.is_before_closing ? "before" : "after";
+  const std::string force = touch.force_n > 0 ? fmt::format(", {:.1f} N", touch.force_n) : "";
+  return fmt::format("{} {} {} {} closing{}", touch.by, is_intended ? "pressed on" : "touched",
+                     what, when, force);
 }
 
 }  // namespace

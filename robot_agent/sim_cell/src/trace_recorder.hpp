@@ -14,6 +14,9 @@ struct Resistance {
   double force_n = 0;
   double overlap_m = 0;  ///< of two bodies of which neither gives way
   std::string by, what;
+
+  /// Whether an arm that meets it stops.
+  bool is_stalling() const { return force_n > 50 || overlap_m > 0.002; }
 };
 
 /// Writes down what happens to robot and parts between two frames.
