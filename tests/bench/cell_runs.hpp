@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "graspd/agent/ports.hpp"
+#include "graspd/parts/catalogue.hpp"
+#include "graspd/sim_cell/pick_trace.hpp"
+#include "graspd/sim_cell/pile.hpp"
+
+/// What `./run bench cell` does with one bin.
+namespace graspd::bench {
+
+/// A way from frame to grasps.
+struct Pipeline {
+  std::string name;
+  PlanOptions plan;
+};
+
+/// The paper's four, its own method, ours; and both of the latter by the paper's other reading of
+/// the order.
+std::vector<Pipeline> all_pipelines();
+
+struct BinKey {
+  std::string pipeline, part;
+  int seed = 0;
+  bool operator==(const BinKey&) const = default;
+};
+
+struct PickRow {
+  int pick_n = 0;  ///< counted from 1
+  std::string verdict, why;
+  double others_moved_m = 0;
+  double planning_s = 0;
+  double cpu_s = 0;  ///< that the simulation took
+};
+
+struct BinRow {
+  int parts_n = 0, placed_n = 0;
+  double duration_s = 0;  ///< simulated motion and measured planning
+  double planning_s = 0;
+  double wall_s = 0;
+  std::string reason;  ///< why the agent ended
+};
+
+/// Has the agent empty a bin. \param on_pick called after each pick's verdict.
+Result<BinRow> empty_bin(const parts::Part& part, int parts_n, const Pipeline& pipeline, int seed,
+                         const sim_cell::PileMaker& piles, agent::Planner& planner,
+                         const std::function<void(const PickRow&)>& on_pick);
+
+}  // namespace graspd::bench
