@@ -106,6 +106,19 @@ agent::StirOptions read_stir(YamlMap map) {
   return stir;
 }
 
+void read_arm(YamlMap map, const fs::path& input, const fs::path& output, CellConfig& config) {
+  map.optional_enum("kind", config.arm);
+  switch (config.arm) {
+    case ArmKind::kRecord:
+      config.arm_record = read_path(map, "path", output, "arm.jsonl");
+      break;
+    case ArmKind::kSimulated:
+      config.motion = read_motion(map.map("motion"), input);
+      config.pile = read_pile(map.map("pile"), input);
+      break;
+  }
+}
+
 }  // namespace
 
 Result<CellConfig> read_cell_config(const fs::path& path, const fs::path& output) {
@@ -117,9 +130,15 @@ Result<CellConfig> read_cell_config(const fs::path& path, const fs::path& output
   root.optional("servers", config.servers);
   root.optional("budget_ms", config.budget_ms);
   config.parts = read_parts(root);
-  config.camera = read_camera_section(root.map("camera"), input);
+  read_arm(root.map("arm"), input, output, config);
+  if (config.arm != ArmKind::kSimulated) {
+    config.camera = read_camera_section(root.map("camera"), input);
+  }
   if (root.has("T_base_camera")) root.required("T_base_camera", config.T_base_camera.emplace());
   if (root.has("bin")) config.bin = read_bin(root.map("bin"));
+  if (config.arm == ArmKind::kSimulated && !(config.bin && config.T_base_camera)) {
+    root.fault({}, "a simulated cell needs the sections 'bin' and 'T_base_camera'");
+  }
   config.gripper = read_gripper(root.map("gripper"));
   config.options = read_options(root.map("plan"));
   root.required("T_base_place", config.T_base_place);
@@ -127,9 +146,6 @@ Result<CellConfig> read_cell_config(const fs::path& path, const fs::path& output
   config.retry = read_retry(root.map("retries"));
   config.reactions = read_reactions(root.map("reactions"));
   config.stir = read_stir(root.map("stir"));
-  YamlMap arm = root.map("arm");
-  arm.optional_enum("kind", config.arm);
-  config.arm_record = read_path(arm, "path", output, "arm.jsonl");
   config.records = read_path(root, "records", output, "records");
   root.optional("keep_frames", config.keep_frames);
   config.overlays = read_path(root, "overlays", output);

@@ -1,6 +1,7 @@
 #include "equipment.hpp"
 
 #include "graspd/record/recording_arm.hpp"
+#include "simulated_equipment.hpp"
 #include "system_clock.hpp"
 
 namespace graspd::robot_agent {
@@ -34,6 +35,8 @@ Result<void> add_robot(const CellConfig& config, const CellFrames& frames, Equip
   switch (config.arm) {
     case ArmKind::kRecord:
       return add_recording_arm(config, frames, equipment);
+    case ArmKind::kSimulated:
+      break;  // made as a whole
   }
   throw std::logic_error("equipment: an arm of no kind");
 }
@@ -41,6 +44,7 @@ Result<void> add_robot(const CellConfig& config, const CellFrames& frames, Equip
 }  // namespace
 
 Result<Equipment> make_equipment(const CellConfig& config, const CellFrames& frames) {
+  if (config.arm == ArmKind::kSimulated) return make_simulated_equipment(config);
   Equipment equipment;
   equipment.clock = std::make_shared<SystemClock>();
   if (auto ok = add_camera(config.camera, frames, equipment); !ok)

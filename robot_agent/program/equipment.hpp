@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "cell_config.hpp"
@@ -14,6 +15,9 @@ struct Equipment {
   std::shared_ptr<agent::Camera> camera;
   std::shared_ptr<agent::Arm> arm;
   std::shared_ptr<agent::Gripper> gripper;
+  /// The same planner, whose time passes on that clock as well.
+  std::function<agent::Planner&(agent::Planner&)> timed =
+      [](agent::Planner& planner) -> agent::Planner& { return planner; };
 };
 
 /// What the configuration names: the one place that knows every adapter.

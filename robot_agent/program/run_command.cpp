@@ -80,13 +80,16 @@ Result<int> run_cell(const RunArguments& arguments) {
       config->records, config->cell, std::chrono::system_clock::now(), config->keep_frames);
   if (!recorder) return tl::unexpected(recorder.error());
 
-  spdlog::info("{}: planning at {}, replaying {}, recording to {}", config->cell,
-               fmt::join(config->servers, ", "), config->camera.path.lexically_normal().string(),
+  const std::string what = config->arm == ArmKind::kSimulated
+                               ? "picking in simulation"
+                               : "replaying " + config->camera.path.lexically_normal().string();
+  spdlog::info("{}: planning at {}, {}, recording to {}", config->cell,
+               fmt::join(config->servers, ", "), what,
                recorder->folder().lexically_normal().string());
   Reporter reporter(config->cell, *std::move(recorder), config->overlays);
   ConsoleOperator console_operator;
-  agent::PickCycle cycle({*equipment->camera, **planner, *equipment->arm, *equipment->gripper,
-                          *equipment->clock, &console_operator},
+  agent::PickCycle cycle({*equipment->camera, equipment->timed(**planner), *equipment->arm,
+                          *equipment->gripper, *equipment->clock, &console_operator},
                          *task, reporter);
   if (!arguments.no_header) fmt::print("{}\n", report_header());
   std::fflush(stdout);  // above the lines of other agents that share the terminal

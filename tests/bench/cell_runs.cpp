@@ -85,8 +85,8 @@ class Judge final : public agent::Observer {
   explicit Judge(const sim_cell::PhysicsCell& cell) : cell_(cell) {}
 
   void planned(std::uint64_t, const DepthFrame&, const PlanRequest&,
-               const PlanAnswer& answer) override {
-    objects_ = answer.objects;
+               const Result<PlanAnswer>& answer) override {
+    objects_ = answer ? answer->objects : std::vector<Object>{};
   }
   void finished(const agent::PickRecord& record) override {
     planning_s += seconds(record.plan);
