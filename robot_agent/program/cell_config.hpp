@@ -38,9 +38,12 @@ struct CellConfig {
   Eigen::Isometry3d T_base_place = Eigen::Isometry3d::Identity();
   double failed_spot_radius_m = 0.02;
   agent::RetryPolicy retry;
+  agent::Reactions reactions;
+  agent::StirOptions stir;
   ArmKind arm = ArmKind::kRecord;
   std::filesystem::path arm_record;
-  std::filesystem::path pick_records;
+  std::filesystem::path records;  ///< each run makes a folder in it
+  bool keep_frames = true;
   std::filesystem::path overlays;  ///< empty: none are drawn
 };
 

@@ -75,17 +75,10 @@ Result<void> write_cell_files(const fs::path& directory) {
   if (!scene) return tl::unexpected(scene.error());
   const auto image = scene->read(scene->image_ids().front());
   if (!image) return tl::unexpected(image.error());
-  const CameraIntrinsics& camera = image->frame.camera;
   const Eigen::Isometry3d T_base_camera = image->T_world_camera.value_or(looking_down());
-  const std::string calibration = fmt::format(
-      "image_width: {}\nimage_height: {}\n"
-      "camera_matrix: {{rows: 3, cols: 3, dt: d, data: [{}, 0, {}, 0, {}, {}, 0, 0, 1]}}\n"
-      "distortion_coefficients: {{rows: 1, cols: {}, dt: d, data: [{}]}}\n"
-      "depth_scale_m: {}\nT_base_camera: {}\n",
-      camera.width_px, camera.height_px, camera.fx_px, camera.cx_px, camera.fy_px, camera.cy_px,
-      camera.distortion.size(), fmt::join(camera.distortion, ", "), image->frame.depth_scale_m,
-      pose_numbers(T_base_camera));
-  if (auto ok = write_file(directory / "camera.yaml", calibration); !ok) return ok;
+  const CameraCalibration calibration{image->frame.camera, image->frame.depth_scale_m,
+                                      T_base_camera, std::nullopt};
+  if (auto ok = write_camera(directory / "camera.yaml", calibration); !ok) return ok;
   if (!image->bin) return {};
   const Eigen::Vector3d& size_m = image->bin->inner_size_m;
   return write_file(directory / "cell.yaml",

@@ -74,7 +74,7 @@ std::vector<ByStage> count_part(const parts::Catalogue& catalogue, const parts::
   scene.seed = options.seed;
   const auto maker = sim_cell::SceneMaker::create(catalogue, scene);
   if (!maker) throw std::runtime_error(maker.error().message);
-  const perception::Parameters parameters = calibrated(scene.sensor);
+  const perception::Parameters parameters;
   std::vector<ByStage> counted;
   for (int k = 0; k < options.frames_n; ++k) {
     const auto image = maker->make(k);

@@ -30,6 +30,7 @@ struct Options {
   std::string out = "build/bench/grasps";
   int piles_n = 200;
   int seed = 1;
+  perception::Parameters parameters;
 };
 
 Pile pile_of(int k, const parts::Catalogue& catalogue, const Options& options) {
@@ -66,7 +67,7 @@ Result<void> run(const Options& options) {
   const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
   std::vector<JudgedPile> piles;
   for (int k = 0; k < options.piles_n; ++k) {
-    auto judged = judge_pile(pile_of(k, *catalogue, options), *catalogue, {});
+    auto judged = judge_pile(pile_of(k, *catalogue, options), *catalogue, options.parameters);
     if (!judged) return fail(judged.error().code, "pile {}: {}", k, judged.error().message);
     piles.push_back(*std::move(judged));
     std::cerr << fmt::format("\rpile {} of {} ", k + 1, options.piles_n);
@@ -94,6 +95,9 @@ int main(int count, char** words) {
         ->capture_default_str();
     app.add_option("--seed", options.seed, "of the first; from 1000 on for tuning")
         ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    app.add_option("--confidence", options.parameters.grs.confidence,
+                   "power of the registration's score in GRS")
         ->capture_default_str();
     app.add_option("--out", options.out, "stem of the files that are written")
         ->capture_default_str();

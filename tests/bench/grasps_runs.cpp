@@ -198,13 +198,11 @@ std::vector<JudgedGrasp> JudgedPlan::first_of_objects() const {
 }
 
 Result<JudgedPile> judge_pile(const Pile& pile, const parts::Catalogue& catalogue,
-                              perception::Parameters parameters) {
+                              const perception::Parameters& parameters) {
   const auto maker = sim_cell::SceneMaker::create(catalogue, pile.scene);
   if (!maker) return tl::unexpected(maker.error());
   const auto image = maker->make(0);
   if (!image) return tl::unexpected(image.error());
-  parameters.preprocess.wall_bow_m = pile.scene.sensor.wall_bow_m;
-  parameters.preprocess.wall_reach_m = pile.scene.sensor.wall_reach_m;
   const PlanRequest request = eval::request_for(*image, catalogue, {pile.part->id});
   Question question{*image, request, catalogue, parameters,
                     judge_of(*image, request, pile.scene.bin_wall_m, catalogue)};

@@ -64,6 +64,6 @@ struct JudgedPile {
 };
 
 Result<JudgedPile> judge_pile(const Pile& pile, const parts::Catalogue& catalogue,
-                              perception::Parameters parameters);
+                              const perception::Parameters& parameters);
 
 }  // namespace graspd::bench

@@ -60,7 +60,7 @@ Result<std::vector<GrowthRun>> measure_growth(
       auto image = maker->make(k);
       if (!image) return tl::unexpected(image.error());
       image->instance.reset();
-      const auto run = measure_one(*image, asked_n, catalogue, part->id, calibrated(scene.sensor));
+      const auto run = measure_one(*image, asked_n, catalogue, part->id, {});
       if (!run) return tl::unexpected(run.error());
       runs.push_back(*run);
     }

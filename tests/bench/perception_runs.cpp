@@ -94,7 +94,7 @@ class PartBench {
     blank.part_id = part_.id;
     blank.frame = image.im_id;
     blank.camera_height_m = camera_height_m;
-    const perception::Parameters parameters = calibrated({});
+    const perception::Parameters parameters;
     const perception::Cloud cloud =
         perception::prepare_scene(image.frame, request, part_.diameter_m, parameters).cloud;
     segment(image, cloud, blank, runs);

@@ -1,10 +1,8 @@
 #include <gmock/gmock.h>
 #include <mrpt/kinematics/CKinematicChain.h>
 
-#include <fstream>
 #include <numbers>
 #include <regex>
-#include <sstream>
 
 #include "graspd/motion/arm_model.hpp"
 #include "motion_support.hpp"
@@ -14,16 +12,12 @@ namespace graspd::motion {
 namespace {
 
 using graspd::testing::anno;
+using graspd::testing::anno_xml;
+using graspd::testing::joints;
 using graspd::testing::random_joints;
 using graspd::testing::turn_between;
 using ::testing::HasSubstr;
 constexpr double kPi = std::numbers::pi;
-
-agent::Joints joints(std::initializer_list<double> q_rad) {
-  agent::Joints q(q_rad.size());
-  std::copy(q_rad.begin(), q_rad.end(), q.begin());
-  return q;
-}
 
 /// The arm by its Denavit-Hartenberg numbers, by MRPT. The last frame is tool0 turned by 180° about
 /// x.
@@ -96,17 +90,17 @@ TEST(ArmModel, LimitsComeFromTheFile) {
 /// The Anno's file with one thing changed, and what must be said of it.
 struct Wrong {
   std::string what, from, to, said;
+
+  friend void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.what; }
 };
 
 class WrongUrdf : public ::testing::TestWithParam<Wrong> {};
 
 TEST_P(WrongUrdf, IsRefusedWithASentence) {
-  std::ostringstream xml;
-  xml << std::ifstream(GRASPD_SOURCE_DIR "/deploy/arms/probot_anno.urdf").rdbuf();
-  const std::string changed =
-      std::regex_replace(xml.str(), std::regex(GetParam().from), GetParam().to,
-                         std::regex_constants::format_first_only);
-  ASSERT_NE(changed, xml.str());
+  const std::string xml = anno_xml();
+  const std::string changed = std::regex_replace(xml, std::regex(GetParam().from), GetParam().to,
+                                                 std::regex_constants::format_first_only);
+  ASSERT_NE(changed, xml);
   const graspd::testing::TemporaryFolder folder;
   const auto path = folder.write("arm.urdf", changed);
   const auto arm = ArmModel::load(path);

@@ -1,7 +1,5 @@
 #include <gmock/gmock.h>
 
-#include <fstream>
-#include <iterator>
 #include <numbers>
 #include <regex>
 
@@ -13,6 +11,7 @@ namespace graspd::motion {
 namespace {
 
 using graspd::testing::anno;
+using graspd::testing::anno_xml;
 using graspd::testing::random_joints;
 using graspd::testing::turn_between;
 using ::testing::HasSubstr;
@@ -126,8 +125,7 @@ TEST(AnnoIk, MissesNoBranchThatKdlFinds) {
 TEST(AnnoIk, EightWaysWhereNoLimitForbidsThem) {
   // In front of the arm, tilted: all of shoulder, elbow and wrist can go both ways if the joints
   // turn far enough.
-  std::ifstream file(GRASPD_SOURCE_DIR "/deploy/arms/probot_anno.urdf");
-  std::string xml(std::istreambuf_iterator<char>(file), {});
+  std::string xml = anno_xml();
   xml = std::regex_replace(xml, std::regex("lower=\"[^\"]*\" upper=\"[^\"]*\""),
                            "lower=\"-6.3\" upper=\"6.3\"");
   const graspd::testing::TemporaryFolder folder;
@@ -166,8 +164,7 @@ TEST(AnnoIk, KeepsJoint4WhereItTurnsAboutTheSameAxisAsJoint6) {
 }
 
 TEST(AnnoIk, AnotherArmIsRefused) {
-  std::ifstream file(GRASPD_SOURCE_DIR "/deploy/arms/probot_anno.urdf");
-  std::string xml(std::istreambuf_iterator<char>(file), {});
+  std::string xml = anno_xml();
   const std::string wrist = "xyz=\"0 -0.042 0\"";
   xml.replace(xml.find(wrist), wrist.size(), "xyz=\"0.01 -0.042 0\"");
   const graspd::testing::TemporaryFolder folder;

@@ -2,14 +2,28 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <initializer_list>
+#include <iterator>
 #include <random>
+#include <string>
 
 #include "graspd/motion/arm_model.hpp"
 
 namespace graspd::testing {
 
-inline motion::ArmModel anno() {
-  return motion::ArmModel::load(GRASPD_SOURCE_DIR "/deploy/arms/probot_anno.urdf").value();
+inline constexpr const char* kAnnoUrdf = GRASPD_SOURCE_DIR "/deploy/arms/probot_anno.urdf";
+
+inline motion::ArmModel anno() { return motion::ArmModel::load(kAnnoUrdf).value(); }
+
+/// The Anno's file, for tests that change something in it.
+inline std::string anno_xml() {
+  std::ifstream file(kAnnoUrdf);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline agent::Joints joints(std::initializer_list<double> q_rad) {
+  return Eigen::Map<const Eigen::VectorXd>(q_rad.begin(), static_cast<Eigen::Index>(q_rad.size()));
 }
 
 /// Anywhere within the limits.

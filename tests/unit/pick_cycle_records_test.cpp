@@ -92,7 +92,7 @@ TEST_F(RecordsTest, APickBecomesOneLineOfJson) {
   EXPECT_EQ(pick.at("grasp").at("grs").at("grs"), 1.0);
   EXPECT_EQ(pick.at("verdict"), "PLACED");
   EXPECT_EQ(pick.at("ms").at("plan"), 80);
-  EXPECT_EQ(pick.at("ms").at("place"), 500);
+  EXPECT_EQ(pick.at("ms").at("place"), 600);
   EXPECT_EQ(pick.at("ms").at("server").at("registration"), 42e-6);
   EXPECT_FALSE(pick.contains("message"));
 }

@@ -84,7 +84,8 @@ Request plan_request() {
                                          .visible_fraction = 0.5},
                                         {.id = 0, .part_id = "elbow"}},
                             .picked_object_id = 0};
-  plan.failed_spots = {{.p_base_m = {0.3, 0.01, 0.05}, .radius_m = 0.015, .failures_n = 2}};
+  plan.failed_spots = {
+      {.p_base_m = {0.3, 0.01, 0.05}, .radius_m = 0.015, .failures_n = 2, .reason = {}}};
   return {.id = id_from(1),
           .attempt = 2,
           .cell = "cell-1",

@@ -1,5 +1,9 @@
 #include "graspd/formats/cell.hpp"
 
+#include <fmt/ranges.h>
+
+#include <fstream>
+
 namespace graspd {
 
 Eigen::Isometry3d looking_down() {
@@ -27,6 +31,35 @@ std::vector<double> read_matrix(YamlMap& root, std::string_view key) {
     data.clear();
   }
   return data;
+}
+
+void read_six(YamlMap& map, std::string_view key, std::array<double, 6>& six) {
+  std::vector<double> values;
+  map.required(key, values);
+  if (values.size() != six.size()) {
+    map.fault(key, fmt::format("'{}' must be 6 numbers", key));
+  } else {
+    std::copy(values.begin(), values.end(), six.begin());
+  }
+}
+
+DepthCorrection read_depth_correction(YamlMap map) {
+  DepthCorrection correction;
+  read_six(map, "offset_m", correction.offset_m);
+  read_six(map, "slope", correction.slope);
+  map.required("reference_m", correction.reference_m);
+  map.required("min_depth_m", correction.min_depth_m);
+  map.required("max_depth_m", correction.max_depth_m);
+  if (correction.min_depth_m > correction.max_depth_m) {
+    map.fault("min_depth_m", "'min_depth_m' must not be above 'max_depth_m'");
+  }
+  return correction;
+}
+
+/// As OpenCV's FileStorage writes them.
+std::string matrix_yaml(std::string_view key, int rows, int cols, const std::vector<double>& data) {
+  return fmt::format("{}: !!opencv-matrix\n  rows: {}\n  cols: {}\n  dt: d\n  data: [{}]\n", key,
+                     rows, cols, fmt::join(data, ", "));
 }
 
 }  // namespace
@@ -62,11 +95,38 @@ Result<CameraCalibration> read_camera(const std::filesystem::path& path) {
   }
   root.optional("depth_scale_m", calibration.depth_scale_m);
   root.optional("T_base_camera", calibration.T_base_camera);
+  if (root.has("depth_correction")) {
+    calibration.depth_correction = read_depth_correction(root.map("depth_correction"));
+  }
   if (auto ok = document.finish(); !ok) return tl::unexpected(ok.error());
   if (auto ok = validate(camera); !ok) {
     return invalid("{}: {}", path.string(), ok.error().message);
   }
   return calibration;
+}
+
+Result<void> write_camera(const std::filesystem::path& path, const CameraCalibration& calibration) {
+  const CameraIntrinsics& camera = calibration.camera;
+  const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = calibration.T_base_camera.matrix();
+  std::ofstream file(path);
+  file << fmt::format("%YAML:1.0\n---\nimage_width: {}\nimage_height: {}\n", camera.width_px,
+                      camera.height_px)
+       << matrix_yaml("camera_matrix", 3, 3,
+                      {camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1})
+       << matrix_yaml("distortion_coefficients", 1, 5,
+                      {camera.distortion.begin(), camera.distortion.end()})
+       << fmt::format("depth_scale_m: {}\nT_base_camera: [{}]\n", calibration.depth_scale_m,
+                      fmt::join(T.data(), T.data() + T.size(), ", "));
+  if (const auto& correction = calibration.depth_correction) {
+    file << fmt::format(
+        "depth_correction:\n  offset_m: [{}]\n  slope: [{}]\n  reference_m: {}\n"
+        "  min_depth_m: {}\n  max_depth_m: {}\n",
+        fmt::join(correction->offset_m, ", "), fmt::join(correction->slope, ", "),
+        correction->reference_m, correction->min_depth_m, correction->max_depth_m);
+  }
+  file.flush();
+  if (!file) return invalid("{}: can't be written", path.string());
+  return {};
 }
 
 Bin read_bin(YamlMap map) {

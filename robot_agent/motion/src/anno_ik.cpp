@@ -26,31 +26,32 @@ struct Lengths {
   double d6_m = 0;
 };
 
-Eigen::Matrix3d Rx(double q_rad) {
+Eigen::Matrix3d about_x(double q_rad) {
   return Eigen::AngleAxisd(q_rad, Eigen::Vector3d::UnitX()).toRotationMatrix();
 }
-Eigen::Matrix3d Ry(double q_rad) {
+Eigen::Matrix3d about_y(double q_rad) {
   return Eigen::AngleAxisd(q_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
 }
-Eigen::Matrix3d Rz(double q_rad) {
+Eigen::Matrix3d about_z(double q_rad) {
   return Eigen::AngleAxisd(q_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
 /// Of the frame in which the wrist turns; its z is along the forearm.
-Eigen::Matrix3d R_base_forearm(double q1_rad, double q2_rad, double q3_rad) {
-  return Rz(q1_rad) * Ry(-(q2_rad + q3_rad + kPi / 2)) * Rx(kPi);
+Eigen::Matrix3d forearm_rotation(double q1_rad, double q2_rad, double q3_rad) {
+  return about_z(q1_rad) * about_y(-(q2_rad + q3_rad + kPi / 2)) * about_x(kPi);
 }
 
 Eigen::Isometry3d T_base_flange(const Lengths& of, const agent::Joints& q_rad) {
   const double upper_rad = q_rad[1] + kPi / 2;
   const double fore_rad = q_rad[1] + q_rad[2];
-  const Eigen::Matrix3d R_base_tip = R_base_forearm(q_rad[0], q_rad[1], q_rad[2]) * Rz(q_rad[3]) *
-                                     Ry(q_rad[4] - kPi / 2) * Rz(q_rad[5]);
+  const Eigen::Matrix3d R_base_tip = forearm_rotation(q_rad[0], q_rad[1], q_rad[2]) *
+                                     about_z(q_rad[3]) * about_y(q_rad[4] - kPi / 2) *
+                                     about_z(q_rad[5]);
   const double r_m = of.a2_m * std::cos(upper_rad) + of.d4_m * std::cos(fore_rad);
   const double h_m = of.d1_m + of.a2_m * std::sin(upper_rad) + of.d4_m * std::sin(fore_rad);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation() = Rz(q_rad[0]) * Eigen::Vector3d(r_m, 0, h_m) + of.d6_m * R_base_tip.col(2);
-  T.linear() = R_base_tip * Rx(kPi);
+  T.translation() = about_z(q_rad[0]) * Eigen::Vector3d(r_m, 0, h_m) + of.d6_m * R_base_tip.col(2);
+  T.linear() = R_base_tip * about_x(kPi);
   return T;
 }
 
@@ -61,7 +62,7 @@ class AnnoIk final : public InverseKinematics {
   Result<std::vector<agent::Joints>> solve(const Eigen::Isometry3d& T_base_flange,
                                            const agent::Joints& near_rad) override {
     const auto all_rad = branches(T_base_flange, near_rad);
-    if (!all_rad) return all_rad;
+    if (!all_rad) return tl::unexpected(all_rad.error());
     std::vector<agent::Joints> within_rad;
     for (const agent::Joints& q_rad : *all_rad) {
       if (!beyond_limits(q_rad, arm_.limits())) within_rad.push_back(q_rad);
@@ -121,8 +122,8 @@ class AnnoIk final : public InverseKinematics {
   static void add_wrists(const Eigen::Matrix3d& R_base_flange, const Eigen::Vector3d& shoulder_rad,
                          const agent::Joints& near_rad, std::vector<agent::Joints>& all_rad) {
     const Eigen::Matrix3d R =
-        R_base_forearm(shoulder_rad[0], shoulder_rad[1], shoulder_rad[2]).transpose() *
-        R_base_flange * Rx(-kPi);
+        forearm_rotation(shoulder_rad[0], shoulder_rad[1], shoulder_rad[2]).transpose() *
+        R_base_flange * about_x(-kPi);
     const double sin_5 = std::hypot(R(0, 2), R(1, 2));
     for (const double sign : {1.0, -1.0}) {
       const double theta_5_rad = std::atan2(sign * sin_5, R(2, 2));
@@ -130,7 +131,7 @@ class AnnoIk final : public InverseKinematics {
       double q6_rad = std::atan2(sign * R(2, 1), -sign * R(2, 0));
       if (sin_5 < kSingular) {  // joints 4 and 6 turn about one axis
         q4_rad = near_rad[3];
-        const Eigen::Matrix3d R_6 = Ry(-theta_5_rad) * Rz(-q4_rad) * R;
+        const Eigen::Matrix3d R_6 = about_y(-theta_5_rad) * about_z(-q4_rad) * R;
         q6_rad = std::atan2(R_6(1, 0), R_6(0, 0));
       }
       agent::Joints q_rad(6);

@@ -66,13 +66,13 @@ class KdlIk final : public InverseKinematics {
     std::vector<agent::Joints> within_rad;
     std::string why = "no joints were found that bring the flange there";
     const auto try_from = [&](const agent::Joints& start_rad) {
-      auto q_rad = run(T_base_flange, start_rad);
-      if (!q_rad) return;
-      *q_rad = unwind(*std::move(q_rad), near_rad, arm_.limits());
-      if (auto beyond = beyond_limits(*q_rad, arm_.limits())) {
+      const auto found_rad = run(T_base_flange, start_rad);
+      if (!found_rad) return;
+      agent::Joints q_rad = unwind(*found_rad, near_rad, arm_.limits());
+      if (auto beyond = beyond_limits(q_rad, arm_.limits())) {
         why = *std::move(beyond);
       } else {
-        within_rad.push_back(*std::move(q_rad));
+        within_rad.push_back(std::move(q_rad));
       }
     };
     try_from(near_rad);
@@ -84,11 +84,11 @@ class KdlIk final : public InverseKinematics {
 
   Result<agent::Joints> follow(const Eigen::Isometry3d& T_base_flange,
                                const agent::Joints& near_rad) override {
-    auto q_rad = run(T_base_flange, near_rad);
-    if (!q_rad) return invalid("no joints were found that bring the flange there");
-    *q_rad = unwind(*std::move(q_rad), near_rad, arm_.limits());
-    if (const auto beyond = beyond_limits(*q_rad, arm_.limits())) return invalid("{}", *beyond);
-    return *std::move(q_rad);
+    const auto found_rad = run(T_base_flange, near_rad);
+    if (!found_rad) return invalid("no joints were found that bring the flange there");
+    agent::Joints q_rad = unwind(*found_rad, near_rad, arm_.limits());
+    if (const auto beyond = beyond_limits(q_rad, arm_.limits())) return invalid("{}", *beyond);
+    return q_rad;
   }
 
  private:

@@ -54,29 +54,6 @@ std::uint32_t units(float z_m) {
   return static_cast<std::uint32_t>(std::min(kMost, z_m / PackedDepth::kUnit_m + 0.5F));
 }
 
-void pack(DepthGrid& grid) {
-  constexpr float kNone_m = std::numeric_limits<float>::max();
-  const auto width = static_cast<std::size_t>(grid.width_px);
-  grid.packed.assign(grid.size(), 0);
-  std::vector<float> nearest_m(width);  // of each column's three cells
-  for (int v = 1; v < grid.height_px - 1; ++v) {
-    const float* above = &grid.z_m[grid.index(0, v - 1)];
-    const float* here = above + width;
-    const float* below = here + width;
-    const auto or_none = [](float z_m) { return z_m > 0 ? z_m : kNone_m; };
-    for (std::size_t u = 0; u < width; ++u) {
-      nearest_m[u] = std::min(std::min(or_none(above[u]), or_none(here[u])), or_none(below[u]));
-    }
-    std::uint32_t* packed = &grid.packed[grid.index(0, v)];
-    const std::uint8_t* is_part = &grid.is_part[grid.index(0, v)];
-    for (std::size_t u = 1; u + 1 < width; ++u) {
-      if (here[u] <= 0) continue;
-      const float least_m = std::min(std::min(nearest_m[u - 1], nearest_m[u]), nearest_m[u + 1]);
-      packed[u] = (is_part[u] != 0 ? units(here[u]) : 0) | units(least_m) << kHighBits;
-    }
-  }
-}
-
 }  // namespace
 
 Eigen::Vector3f DepthGrid::point_m(int u, int v) const {
@@ -170,6 +147,29 @@ DepthGrid cut_out_readings(const DepthGrid& image, const CellBox& box) {
                 &grid.z_m[grid.index(1, v - box.v_first + 1)]);
   }
   return grid;
+}
+
+void pack(DepthGrid& grid) {
+  constexpr float kNone_m = std::numeric_limits<float>::max();
+  const auto width = static_cast<std::size_t>(grid.width_px);
+  grid.packed.assign(grid.size(), 0);
+  std::vector<float> nearest_m(width);  // of each column's three cells
+  for (int v = 1; v < grid.height_px - 1; ++v) {
+    const float* above = &grid.z_m[grid.index(0, v - 1)];
+    const float* here = above + width;
+    const float* below = here + width;
+    const auto or_none = [](float z_m) { return z_m > 0 ? z_m : kNone_m; };
+    for (std::size_t u = 0; u < width; ++u) {
+      nearest_m[u] = std::min(std::min(or_none(above[u]), or_none(here[u])), or_none(below[u]));
+    }
+    std::uint32_t* packed = &grid.packed[grid.index(0, v)];
+    const std::uint8_t* is_part = &grid.is_part[grid.index(0, v)];
+    for (std::size_t u = 1; u + 1 < width; ++u) {
+      if (here[u] <= 0) continue;
+      const float least_m = std::min(std::min(nearest_m[u - 1], nearest_m[u]), nearest_m[u + 1]);
+      packed[u] = (is_part[u] != 0 ? units(here[u]) : 0) | units(least_m) << kHighBits;
+    }
+  }
 }
 
 void mark_parts(const Cloud& parts_cloud, DepthGrid& grid) {

@@ -38,27 +38,6 @@ CellBox box_of(const Workspace& workspace, const CameraIntrinsics& camera) {
           std::min(image.v_last, at(seen_px.max().y() + 1, image.v_last))};
 }
 
-/// Lowers what the sensor sees bent up towards the walls of a bin, since light also comes by way of
-/// them: by wall_bow_m · (1 − d / wall_reach_m)² at the distance d from the nearest wall.
-void straighten_at_walls(const Eigen::Isometry3d& T_camera_bin, const Eigen::Vector3d& inner_size_m,
-                         const PreprocessParameters& parameters, DepthGrid& grid) {
-  const Eigen::Isometry3f T_bin_camera = T_camera_bin.inverse().cast<float>();
-  const Eigen::Array2f half_m = inner_size_m.head<2>().cast<float>() / 2;
-  const auto bow_m = static_cast<float>(parameters.wall_bow_m);
-  const auto reach_m = static_cast<float>(parameters.wall_reach_m);
-  for (int v = 1; v < grid.height_px - 1; ++v) {
-    for (int u = 1; u < grid.width_px - 1; ++u) {
-      float& z_m = grid.z_m[grid.index(u, v)];
-      if (z_m <= 0) continue;
-      const Eigen::Vector3f p_m = T_bin_camera * grid.point_m(u, v);
-      const float distance_m = (half_m - p_m.head<2>().array().abs()).minCoeff();
-      if (distance_m < 0) continue;  // the rim and what is outside
-      const float nearness = std::max(0.0F, 1 - distance_m / reach_m);
-      z_m += bow_m * nearness * nearness;
-    }
-  }
-}
-
 /// Drops readings that belong to no surface: on an edge, the sensor sees a mean of front and back.
 /// Fills lone holes in a surface. Real edges stay where they are.
 void mend_readings(DepthGrid& grid) {
@@ -120,6 +99,13 @@ void settle(const DepthGrid& grid, Cloud& cloud) {
 
 }  // namespace
 
+std::optional<BowedWalls> walls_of(const PlanRequest& request,
+                                   const PreprocessParameters& parameters) {
+  if (!request.bin) return std::nullopt;
+  return bowed_walls(request.T_base_camera.inverse() * request.bin->T_base_bin,
+                     request.bin->inner_size_m, parameters.wall_reach_m);
+}
+
 DepthGrid seen_in_workspace(const DepthFrame& frame, const PlanRequest& request,
                             const PreprocessParameters& parameters) {
   const CameraIntrinsics& camera = frame.camera;
@@ -127,9 +113,8 @@ DepthGrid seen_in_workspace(const DepthFrame& frame, const PlanRequest& request,
   const CellBox box = workspace ? box_of(*workspace, camera)
                                 : CellBox{0, 0, camera.width_px - 1, camera.height_px - 1};
   DepthGrid seen = cut_out_readings(camera, readings_m(frame, parameters), box);
-  if (request.bin && parameters.wall_bow_m != 0) {
-    straighten_at_walls(request.T_base_camera.inverse() * request.bin->T_base_bin,
-                        request.bin->inner_size_m, parameters, seen);
+  if (const auto walls = walls_of(request, parameters)) {
+    straighten(seen, *walls, parameters.wall_bow_m);
   }
   sharpen_edges(seen);
   mend_readings(seen);
@@ -145,6 +130,7 @@ Scene organised_readings(const DepthFrame& frame, const PlanRequest& request,
   mark_parts(scene.cloud, grid);
   scene.grid = std::move(grid);
   scene.seen = std::move(seen);
+  if (parameters.find_wall_bow) scene.walls = walls_of(request, parameters);
   return scene;
 }
 

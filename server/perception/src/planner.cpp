@@ -111,7 +111,7 @@ void finish(PlanAnswer& answer, Outcome outcome, std::string reason) {
 
 /// Registers the parts in the segments. Where there are none, the answer's reason says why.
 std::vector<Object> register_objects(const DepthFrame& frame, const PlanRequest& request,
-                                     const Scene& scene, const std::vector<Indices>& segments,
+                                     Scene& scene, const std::vector<Indices>& segments,
                                      const PartList& parts, const Parameters& parameters,
                                      const IsLate& is_late, PlanAnswer& answer) {
   const RegistrationResult registered =

@@ -6,9 +6,29 @@
 #include "graspd/perception/explanation.hpp"
 #include "graspd/perception/hypotheses.hpp"
 #include "graspd/perception/segmentation.hpp"
+#include "graspd/perception/wall_bow.hpp"
 
 namespace graspd::perception {
 namespace {
+
+/// Rounds in which the bow is found: the first one's poses are bent themselves.
+constexpr int kBowRounds = 2;
+constexpr double kMostBow_m = 0.02;
+
+/// Takes out of the scene's image what its walls bow it more, or less, than was assumed.
+void straighten_further(const PoseVerifier& verifier, std::span<const PoseHypothesis> poses,
+                        double assumed_m, Scene& scene, DepthGrid& grid) {
+  double bow_m = assumed_m;
+  for (int round = 0; round < kBowRounds; ++round) {
+    const double more_m = find_wall_bow_m(grid, verifier, poses, *scene.walls);
+    const double next_m = std::clamp(bow_m + more_m, 0.0, kMostBow_m);
+    straighten(grid, *scene.walls, next_m - bow_m);
+    pack(grid);
+    bow_m = next_m;
+  }
+  fit_normals(grid);
+  if (scene.seen) straighten(*scene.seen, *scene.walls, bow_m - assumed_m);
+}
 
 /// The segment at each cell of the grid, from 1; 0 for none.
 std::vector<std::uint32_t> segment_map(const DepthGrid& grid, const Cloud& cloud,
@@ -44,7 +64,7 @@ Eigen::Vector3d segment_centroid_m(const DepthGrid& grid, const std::vector<std:
 
 }  // namespace
 
-RegistrationResult register_verified(const DepthFrame& frame, const Scene& scene,
+RegistrationResult register_verified(const DepthFrame& frame, Scene& scene,
                                      std::span<const Indices> segments,
                                      std::span<const parts::Part* const> parts,
                                      const Parameters& parameters, const IsLate& is_late) {
@@ -52,6 +72,9 @@ RegistrationResult register_verified(const DepthFrame& frame, const Scene& scene
       scene.grid ? *scene.grid : make_depth_grid(frame, scene.cloud, parameters.preprocess);
   const PoseVerifier verifier(grid, parts, parameters.registration);
   HypothesesFound found = find_hypotheses(grid, verifier, parts, parameters.registration);
+  if (scene.walls) {
+    straighten_further(verifier, found.poses, parameters.preprocess.wall_bow_m, scene, grid);
+  }
   const Explanation explained =
       explain(grid, verifier, scene, std::move(found.poses), parameters.registration, is_late);
 

@@ -19,7 +19,7 @@ template <class Visitor>
 void visit(perception::PreprocessParameters& p, Visitor& section) {
   auto& [min_depth_m, max_depth_m, voxel_m, wall_margin_m, heap_m, plane_tolerance_m,
          plane_iterations_n, plane_min_share, max_behind_plane_share, normal_neighbours_n,
-         wall_bow_m, wall_reach_m, bin_drift_warning_m, max_bin_drift_m] = p;
+         wall_bow_m, find_wall_bow, wall_reach_m, bin_drift_warning_m, max_bin_drift_m] = p;
   section.number("min_depth_m", min_depth_m, 0, 10);
   section.number("max_depth_m", max_depth_m, 0.01, 20);
   section.number("voxel_m", voxel_m, 0, 0.1);
@@ -30,7 +30,8 @@ void visit(perception::PreprocessParameters& p, Visitor& section) {
   section.number("plane_min_share", plane_min_share, 0, 1);
   section.number("max_behind_plane_share", max_behind_plane_share, 0, 1);
   section.number("normal_neighbours_n", normal_neighbours_n, 3, 1000);
-  section.number("wall_bow_m", wall_bow_m, -0.1, 0.1);
+  section.number("wall_bow_m", wall_bow_m, 0, 0.02);
+  section.flag("find_wall_bow", find_wall_bow);
   section.number("wall_reach_m", wall_reach_m, 1e-3, 1);
   section.number("bin_drift_warning_m", bin_drift_warning_m, 0, 1);
   section.number("max_bin_drift_m", max_bin_drift_m, 0, 1);

@@ -14,7 +14,7 @@
 namespace graspd {
 
 inline constexpr std::uint32_t kProtocolVersion = 1;
-inline constexpr std::size_t kMaxRequestEnvelope_bytes = 16 * 1024;
+inline constexpr std::size_t kMaxRequestEnvelope_bytes = 128 * 1024;
 inline constexpr std::size_t kMaxPayload_bytes = 1024 * 1024;
 inline constexpr std::size_t kMaxAnswer_bytes = 256 * 1024;
 

@@ -82,6 +82,9 @@ void sharpen_edges(DepthGrid& grid);
 /// \param parts_cloud what lies above the floor.
 void mark_parts(const Cloud& parts_cloud, DepthGrid& grid);
 
+/// `packed` anew, after readings have changed.
+void pack(DepthGrid& grid);
+
 /// Normals and curvatures of the grid's readings.
 void fit_normals(DepthGrid& grid);
 

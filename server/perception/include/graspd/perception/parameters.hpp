@@ -20,8 +20,9 @@ struct PreprocessParameters {
   double plane_min_share = 0.1;          ///< a smaller plane is a part's face, not the floor
   double max_behind_plane_share = 0.02;  ///< nothing lies below a floor
   int normal_neighbours_n = 12;
-  double wall_bow_m = 0;  ///< by which the sensor sees a floor bend up towards the bin's walls
-  double wall_reach_m = 0.075;         ///< of that bend: it falls with the square of what is left
+  double wall_bow_m = 0.006;    ///< by which the sensor sees all bend up towards the bin's walls
+  bool find_wall_bow = true;    ///< from the parts, beginning with `wall_bow_m`
+  double wall_reach_m = 0.075;  ///< of that bend: it falls with the square of what is left
   double bin_drift_warning_m = 0.006;  ///< a bin whose rim is off by more is warned of
   double max_bin_drift_m = 0.03;       ///< and by more than this it is not found
 };

@@ -66,6 +66,7 @@ class PoseVerifier {
       : grid_(grid), parts_(parts), parameters_(parameters) {}
 
   const parts::Part& part(const PoseHypothesis& pose) const { return *parts_[pose.part]; }
+  double tolerance_m() const { return parameters_.inlier_tolerance_m; }
   const parts::View& view(const PoseHypothesis& pose) const;
   Eigen::Vector3f barycentre_m(const PoseHypothesis& pose) const;
   /// The area of the image's surface that the score stands for: what compares different parts.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "graspd/perception/bowed_walls.hpp"
 #include "graspd/perception/cloud.hpp"
 #include "graspd/perception/depth_grid.hpp"
 #include "graspd/perception/floor.hpp"
@@ -49,6 +50,8 @@ struct Scene {
   /// All that is seen where parts may lie, floor and walls among it: readings only, nothing else of
   /// the grid is set.
   std::optional<DepthGrid> seen;
+  /// Of a bin: where grid and `seen` may still be bowed.
+  std::optional<BowedWalls> walls;
 };
 
 /// In what the preprocessings differ.

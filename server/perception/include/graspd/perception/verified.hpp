@@ -9,13 +9,15 @@ namespace graspd::perception {
 ///
 /// 1. Hypotheses: the image around a reading, compared with what a camera sees around a point of
 ///    the part from each side (see `find_hypotheses`).
-/// 2. Projective ICP and verification place the best of them.
-/// 3. Explanation of the image: the pose that explains most is accepted and claims its pixels,
+/// 2. The best of them say how far the bin's walls still bow the image; that is taken out of the
+///    scene's readings, too (see `find_wall_bow_m`).
+/// 3. Projective ICP and verification place the best of them.
+/// 4. Explanation of the image: the pose that explains most is accepted and claims its pixels,
 ///    which from then on speak for no other; then the next (see `explain`).
 ///
 /// Both cores of the caller's arena work on it; the result does not depend on how many.
 /// Once it is late, what was found so far.
-RegistrationResult register_verified(const DepthFrame& frame, const Scene& scene,
+RegistrationResult register_verified(const DepthFrame& frame, Scene& scene,
                                      std::span<const Indices> segments,
                                      std::span<const parts::Part* const> parts,
                                      const Parameters& parameters,

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "graspd/agent/ports.hpp"
+#include "graspd/formats/depth_correction.hpp"
+
+/// A depth camera through OpenNI2: a Kinect v2 with libfreenect2's OpenNI2 plug-in, which is not in
+/// Debian and goes into OpenNI2's folder of drivers.
+namespace graspd::openni2 {
+
+struct CameraOptions {
+  std::string uri;  ///< empty: the first device
+  /// Of the frames as this camera gives them, mirrored back. Never the driver's own: the field of
+  /// view it reports is the Kinect v1's. Its size is the mode that is asked for.
+  CameraIntrinsics camera;
+  int frames_per_second = 30;
+  bool is_mirrored = true;  ///< the driver swaps left and right: swapped back
+  std::optional<DepthCorrection> depth_correction;
+  std::chrono::milliseconds timeout{2000};  ///< without a frame
+};
+
+/// Every frame was exposed after `next` was called: the first to arrive then may still show the arm
+/// that has just left, so the second is given.
+///
+/// \returns UNAVAILABLE where there is no device, or none that has this mode.
+Result<std::unique_ptr<agent::Camera>> open_camera(const CameraOptions& options);
+
+}  // namespace graspd::openni2

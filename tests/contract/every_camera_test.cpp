@@ -1,0 +1,139 @@
+#include <gmock/gmock.h>
+#include <stdlib.h>
+
+#include <functional>
+#include <ostream>
+
+#include "graspd/formats/bop.hpp"
+#include "graspd/openni2/openni2_camera.hpp"
+#include "graspd/recordings/rawlog.hpp"
+#include "graspd/replay/replay_camera.hpp"
+#include "temporary_folder.hpp"
+
+/// What every camera must do, recorded or real: `camera_contract_test.cpp` goes on with what only
+/// recordings must. Another camera is a function that opens it, and its line in `kCameras`.
+namespace graspd::agent {
+namespace {
+
+using namespace std::chrono_literals;
+
+const CameraIntrinsics kCamera{512, 424, 365.5, 366.25, 255.5, 205.25, {0.09, -0.27, 0, 0, 0.1}};
+constexpr std::uint64_t kFrames = 2;  ///< before a camera that breaks is broken
+
+class NoWaiting final : public Clock {
+ public:
+  std::chrono::nanoseconds now() override { return 0ns; }
+  void sleep_for(std::chrono::nanoseconds) override {}
+};
+
+DepthFrame recorded_frame() {
+  DepthFrame frame{kCamera, 0.001, std::vector<std::uint16_t>(512 * 424)};
+  for (std::size_t i = 0; i < frame.depth.size(); ++i) {
+    frame.depth[i] = static_cast<std::uint16_t>(700 + i * 7919 % 97);
+  }
+  return frame;
+}
+
+/// Where a camera lives while it is tested.
+struct Scene {
+  testing::TemporaryFolder folder;
+  NoWaiting clock;
+};
+/// \param breaks after `kFrames` frames.
+using Open = std::function<std::unique_ptr<Camera>(Scene&, bool breaks)>;
+
+std::unique_ptr<Camera> replay_of(replay::RecordingKind kind, const std::filesystem::path& path,
+                                  Scene& scene) {
+  return replay::open_recording(kind, path, {.intrinsics = kCamera}, scene.clock).value();
+}
+
+std::unique_ptr<Camera> open_bop(Scene& scene, bool breaks) {
+  const auto path = scene.folder.path() / "000001";
+  std::filesystem::create_directories(path);
+  BopSceneWriter writer(path);
+  for (int i = 0; i < 3; ++i) {
+    BopImage image;
+    image.im_id = i;
+    image.frame = recorded_frame();
+    EXPECT_TRUE(writer.add(image));
+  }
+  EXPECT_TRUE(writer.finish());
+  if (breaks) std::filesystem::resize_file(path / "depth" / "000002.png", 1000);
+  return replay_of(replay::RecordingKind::kBop, path, scene);
+}
+
+std::unique_ptr<Camera> open_rawlog(Scene& scene, bool breaks) {
+  const auto path = scene.folder.path() / "a.rawlog";
+  {
+    auto writer = RawlogWriter::create(path).value();
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(writer.add(recorded_frame(), 1e9 + i));
+  }
+  if (breaks) {
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) * 5 / 6);
+  }
+  return replay_of(replay::RecordingKind::kRawlog, path, scene);
+}
+
+std::unique_ptr<Camera> open_openni2(Scene&, bool breaks) {
+  setenv("GRASPD_CAMERA", breaks ? "dies" : "none", 1);
+  openni2::CameraOptions options;
+  options.camera = kCamera;
+  options.timeout = 500ms;
+  return openni2::open_camera(options).value();
+}
+
+struct NamedCamera {
+  std::string name;
+  Open open;
+};
+void PrintTo(const NamedCamera& camera, std::ostream* out) { *out << camera.name; }
+
+const NamedCamera kCameras[] = {
+    {"bop", open_bop},
+    {"rawlog", open_rawlog},
+    {"openni2", open_openni2},
+};
+
+class EveryCamera : public ::testing::TestWithParam<NamedCamera> {
+ protected:
+  Scene scene;
+};
+
+TEST_P(EveryCamera, GivesFramesThatAPlanCanBeMadeOf) {
+  const auto camera = GetParam().open(scene, false);
+  for (std::uint64_t i = 0; i < kFrames; ++i) {
+    const auto frame = camera->next();
+    ASSERT_TRUE(frame) << frame.error().message;
+    ASSERT_TRUE(*frame);
+    const auto ok = validate(**frame);
+    EXPECT_TRUE(ok) << ok.error().message;
+  }
+}
+
+TEST_P(EveryCamera, GivesTheIntrinsicsItWasCalibratedTo) {
+  const auto frame = GetParam().open(scene, false)->next();
+  ASSERT_TRUE(frame && *frame);
+  EXPECT_EQ((*frame)->camera.width_px, kCamera.width_px);
+  EXPECT_EQ((*frame)->camera.height_px, kCamera.height_px);
+  EXPECT_EQ((*frame)->camera.fx_px, kCamera.fx_px);
+  EXPECT_EQ((*frame)->camera.cx_px, kCamera.cx_px);
+  EXPECT_EQ((*frame)->camera.distortion, kCamera.distortion);
+}
+
+TEST_P(EveryCamera, ABrokenOneSaysSoAgainAndAgain) {
+  const auto camera = GetParam().open(scene, true);
+  for (std::uint64_t i = 0; i < kFrames; ++i) {
+    if (!camera->next()) break;  // a real one may have had frames that nobody asked for
+  }
+  for (int i = 0; i < 2; ++i) {
+    const auto frame = camera->next();
+    ASSERT_FALSE(frame);
+    EXPECT_FALSE(frame.error().message.empty());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Cameras, EveryCamera, ::testing::ValuesIn(kCameras),
+                         [](const auto& tested) { return tested.param.name; });
+
+}  // namespace
+}  // namespace graspd::agent

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <ostream>
+#include <string>
+
+#include "graspd/output_gripper/output_gripper.hpp"
+#include "graspd/record/recording_arm.hpp"
+#include "temporary_folder.hpp"
+
+/// The grippers that `gripper_contract_test` runs on. Another one is a class that makes it, and its
+/// line in `kGripperRigs`.
+namespace graspd::testing {
+
+/// A gripper that has a part between its fingers when it closes.
+class GripperRig {
+ public:
+  virtual ~GripperRig() = default;
+  virtual agent::Gripper& gripper() = 0;
+};
+
+class NoSleep final : public agent::Clock {
+ public:
+  std::chrono::nanoseconds now() override { return {}; }
+  void sleep_for(std::chrono::nanoseconds duration) override { slept += duration; }
+
+  std::chrono::nanoseconds slept{};
+};
+
+class OutputRig final : public GripperRig {
+ public:
+  agent::Gripper& gripper() override { return *gripper_; }
+
+ private:
+  NoSleep clock_;
+  std::unique_ptr<agent::Gripper> gripper_ =
+      output_gripper::make_gripper({.open = {"true"}, .close = {"true"}, .sensor = {"true"}},
+                                   clock_)
+          .value();
+};
+
+class RecordingRig final : public GripperRig {
+ public:
+  agent::Gripper& gripper() override { return arm_; }
+
+ private:
+  TemporaryFolder folder_;
+  record::RecordingArm arm_ =
+      record::RecordingArm::create(folder_.path() / "arm.jsonl", {}).value();
+};
+
+struct NamedGripperRig {
+  std::string name;
+  std::function<std::unique_ptr<GripperRig>()> make;
+};
+inline void PrintTo(const NamedGripperRig& rig, std::ostream* out) { *out << rig.name; }
+
+template <class Rig>
+NamedGripperRig gripper_rig(const char* name) {
+  return {name, [] { return std::make_unique<Rig>(); }};
+}
+
+inline const NamedGripperRig kGripperRigs[] = {
+    gripper_rig<OutputRig>("output"),
+    gripper_rig<RecordingRig>("record"),
+};
+
+}  // namespace graspd::testing

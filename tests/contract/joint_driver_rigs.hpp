@@ -1,0 +1,73 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <ostream>
+#include <string>
+
+#include "fake_controller.hpp"
+#include "graspd/agent/joint_driver.hpp"
+#include "graspd/simple_message/driver.hpp"
+#ifdef GRASPD_ROS
+#include "fake_ros_arm.hpp"
+#include "graspd/ros/driver.hpp"
+#endif
+
+/// The arms that `joint_driver_contract_test` runs on. Another one is a function that makes it, and
+/// its line in `kRigs`.
+namespace graspd::testing {
+
+/// A driver with the arm it drives.
+class JointDriverRig {
+ public:
+  virtual ~JointDriverRig() = default;
+  virtual agent::JointDriver& driver() = 0;
+};
+
+class SimpleMessageRig final : public JointDriverRig {
+ public:
+  SimpleMessageRig() : controller_({0.F, 0.1F, 0.2F, 0.3F, 0.4F, 0.5F}) {
+    simple_message::DriverOptions options;
+    options.motion_port = controller_.motion_port();
+    options.state_port = controller_.state_port();
+    driver_ = simple_message::connect(options).value();
+  }
+  agent::JointDriver& driver() override { return *driver_; }
+
+ private:
+  FakeController controller_;
+  std::unique_ptr<agent::JointDriver> driver_;
+};
+
+#ifdef GRASPD_ROS
+class RosRig final : public JointDriverRig {
+ public:
+  RosRig() { driver_ = ros_arm::connect({.joint_names = FakeRosArm::joint_names()}).value(); }
+  agent::JointDriver& driver() override { return *driver_; }
+
+ private:
+  const bool has_master_ = (need_ros_master(), true);  ///< before the arm, which is a node
+  FakeRosArm arm_{{0, 0.1, 0.2, 0.3, 0.4, 0.5}};
+  std::unique_ptr<agent::JointDriver> driver_;
+};
+#endif
+
+struct NamedRig {
+  std::string name;
+  std::function<std::unique_ptr<JointDriverRig>()> make;
+};
+inline void PrintTo(const NamedRig& rig, std::ostream* out) { *out << rig.name; }
+
+template <class Rig>
+NamedRig rig(const char* name) {
+  return {name, [] { return std::make_unique<Rig>(); }};
+}
+
+inline const NamedRig kRigs[] = {
+    rig<SimpleMessageRig>("simple_message"),
+#ifdef GRASPD_ROS
+    rig<RosRig>("ros"),
+#endif
+};
+
+}  // namespace graspd::testing
