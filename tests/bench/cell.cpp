@@ -11,7 +11,6 @@
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/perception/planner.hpp"
 #include "graspd/server_planner/server_planner.hpp"
-#include "piles.hpp"
 
 namespace graspd::bench {
 namespace {
@@ -21,6 +20,8 @@ constexpr std::chrono::seconds kBudget{60};
 struct Options {
   std::filesystem::path parts = "deploy/parts";
   std::string out = "build/bench/cell";
+  std::filesystem::path arm = "deploy/arms/probot_anno.urdf";
+  bool floating = false;
   std::string server;
   std::vector<std::string> part_ids, pipelines;
   int tee_piles_n = 20, other_piles_n = 10;
@@ -40,13 +41,20 @@ class InProcessPlanner final : public agent::Planner {
 
  private:
   const parts::Catalogue& catalogue_;
-  perception::Parameters parameters_ = calibrated({});
+  perception::Parameters parameters_;
 };
 
 Result<std::unique_ptr<agent::Planner>> make_planner(const Options& options,
                                                      const parts::Catalogue& catalogue) {
   if (options.server.empty()) return std::make_unique<InProcessPlanner>(catalogue);
   return agent::connect_planner({options.server}, "bench", kBudget);
+}
+
+Result<std::optional<motion::ArmModel>> load_arm(const Options& options) {
+  if (options.floating) return std::nullopt;
+  return motion::ArmModel::load(options.arm).map([](const motion::ArmModel& arm) {
+    return std::optional(arm);
+  });
 }
 
 /// Those named, in the order of the list; all where none is named.
@@ -63,7 +71,8 @@ Result<std::vector<T>> chosen(std::vector<T> all, const std::vector<std::string>
 }
 
 Result<void> run_part(const parts::Part& part, const std::vector<Pipeline>& pipelines,
-                      const Options& options, agent::Planner& planner, CellLog& log) {
+                      const Options& options, const std::optional<motion::ArmModel>& arm,
+                      agent::Planner& planner, CellLog& log) {
   const sim_cell::PileMaker piles({part.mesh});
   const int piles_n = options.piles_n > 0 ? options.piles_n
                       : part.id == "tee"  ? options.tee_piles_n
@@ -74,7 +83,7 @@ Result<void> run_part(const parts::Part& part, const std::vector<Pipeline>& pipe
       if (log.has(key)) continue;
       int success_n = 0;
       const auto bin = empty_bin(
-          part, options.parts_n, pipeline, key.seed, piles, planner, [&](const PickRow& pick) {
+          part, options.parts_n, pipeline, key.seed, arm, piles, planner, [&](const PickRow& pick) {
             log.add(key, pick);
             success_n += pick.verdict == "SUCCESS";
             std::cerr << fmt::format("\r{} {} pile {} of {}: {} of {} picks ", part.id,
@@ -98,14 +107,16 @@ Result<void> run(const Options& options) {
   const auto parts =
       chosen(all, options.part_ids, "--part", [](const parts::Part* part) { return part->id; });
   const auto pipelines = chosen(all_pipelines(), options.pipelines, "--pipeline", &Pipeline::name);
+  const auto arm = load_arm(options);
   auto planner = make_planner(options, *catalogue);
   if (!parts) return tl::unexpected(parts.error());
   if (!pipelines) return tl::unexpected(pipelines.error());
+  if (!arm) return tl::unexpected(arm.error());
   if (!planner) return tl::unexpected(planner.error());
 
   CellLog log(options.out, options.fresh);
   for (const parts::Part* part : *parts) {
-    if (auto ok = run_part(*part, *pipelines, options, **planner, log); !ok) return ok;
+    if (auto ok = run_part(*part, *pipelines, options, *arm, **planner, log); !ok) return ok;
   }
   std::cout << cell_table(log.results()).to_markdown();
   std::ofstream file(options.out + ".json");
@@ -124,6 +135,8 @@ int main(int count, char** words) {
     app.add_option("--parts", options.parts, "part catalogue")->capture_default_str();
     app.add_option("--server", options.server,
                    "a grasp server's data endpoint; without it perception runs in this process");
+    app.add_option("--arm", options.arm, "URDF")->capture_default_str();
+    app.add_flag("--floating", options.floating, "no arm: the gripper gets anywhere");
     app.add_option("--part", options.part_ids, "by id; all without it");
     app.add_option("--pipeline", options.pipelines, "by name; all without it");
     app.add_option("--piles", options.piles_n, "of each part; without it 20 of tees, 10 of others");

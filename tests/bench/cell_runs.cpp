@@ -5,9 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "cell_robot.hpp"
 #include "graspd/agent/pick_cycle.hpp"
-#include "graspd/sim_cell/scene.hpp"
-#include "graspd/simulated/sim_cell.hpp"
 
 namespace graspd::bench {
 namespace {
@@ -15,7 +14,6 @@ namespace {
 /// An arm that was stopped by what it met is set going again, so often in one bin.
 constexpr int kMaxResets = 10;
 constexpr int kMaxPicksPerPart = 3;
-constexpr double kCameraHeight_m = 0.75;
 
 /// Of this thread, which the cell's physics and sensor run on: work beside the bench does not
 /// count.
@@ -29,28 +27,6 @@ double seconds(std::chrono::nanoseconds duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-Eigen::Isometry3d pointing_down(const Eigen::Vector3d& p_m) {
-  return Eigen::Translation3d(p_m) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
-}
-
-/// The bin's longer side lies across the arm's reach.
-sim_cell::PhysicsCellOptions layout(int seed) {
-  sim_cell::PhysicsCellOptions cell;
-  cell.bin.inner_size_m = {0.30, 0.24, 0.12};
-  cell.bin.wall_thickness_m = 0.005;
-  cell.bin.T_base_bin =
-      Eigen::Translation3d(0.30, 0, 0) * Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ());
-  cell.place.inner_size_m = {0.20, 0.20, 0.06};
-  cell.place.wall_thickness_m = 0.005;
-  cell.place.T_base_bin.translation() << 0, -0.33, 0;
-  cell.T_base_camera = cell.bin.T_base_bin * sim_cell::camera_over_bin(kCameraHeight_m, 0);
-  // Fingers long enough to reach the floor along a wall while the palm stays above the rim.
-  cell.gripper.jaw_size_m = {0.008, 0.016, 0.09};
-  cell.gripper.palm_size_m = {0.10, 0.06, 0.05};
-  cell.seed = static_cast<std::uint64_t>(seed) << 16;
-  return cell;
-}
-
 agent::Task task_of(const parts::Part& part, const Pipeline& pipeline,
                     const sim_cell::PhysicsCellOptions& cell) {
   agent::Task task;
@@ -59,18 +35,10 @@ agent::Task task_of(const parts::Part& part, const Pipeline& pipeline,
   task.request.parts = {{part.id}};
   task.request.gripper = cell.gripper;
   task.request.options = pipeline.plan;
-  task.T_base_place = pointing_down(cell.place.T_base_bin * Eigen::Vector3d(0, 0, 0.07));
+  task.T_base_place = place_pose(cell);
+  task.reactions.all_in_collision = task.reactions.none_registered = task.reactions.none_reachable =
+      agent::Reaction::kStir;
   return task;
-}
-
-/// The floating gripper stands in for the arm: what drives the gripper is said here and in `ports`
-/// below, nowhere else.
-agent::SimCell make_cell(const std::vector<parts::Mesh>& kinds, const sim_cell::Pile& pile,
-                         sim_cell::PhysicsCellOptions options) {
-  agent::FloatingOptions floating;
-  floating.T_base_out_of_view = pointing_down({0, -0.33, 0.30});
-  options.start.T_base_grasp = floating.T_base_out_of_view;
-  return {kinds, pile, std::move(options), std::nullopt, floating};
 }
 
 /// An operator would set the arm going again.
@@ -86,7 +54,7 @@ class Judge final : public agent::Observer {
 
   void planned(std::uint64_t, const DepthFrame&, const PlanRequest&,
                const Result<PlanAnswer>& answer) override {
-    objects_ = answer ? answer->objects : std::vector<Object>{};
+    objects_ = answer ? answer->objects : std::vector<Object>();
   }
   void finished(const agent::PickRecord& record) override {
     planning_s += seconds(record.plan);
@@ -146,6 +114,7 @@ std::vector<Pipeline> all_pipelines() {
 }
 
 Result<BinRow> empty_bin(const parts::Part& part, int parts_n, const Pipeline& pipeline, int seed,
+                         const std::optional<motion::ArmModel>& arm,
                          const sim_cell::PileMaker& piles, agent::Planner& planner,
                          const std::function<void(const PickRow&)>& on_pick) {
   const auto wall_start = std::chrono::steady_clock::now();
@@ -153,8 +122,10 @@ Result<BinRow> empty_bin(const parts::Part& part, int parts_n, const Pipeline& p
   const auto pile = piles.drop({parts_n}, options.bin.inner_size_m, std::uint64_t(seed));
   if (!pile) return tl::unexpected(pile.error());
   const std::vector<parts::Mesh> kinds{part.mesh};
-  agent::SimCell cell = make_cell(kinds, *pile, options);
-  const agent::Ports ports{cell.camera(), cell.timed(planner), cell.floating_arm(), cell.gripper(),
+  auto robot = make_robot(kinds, *pile, options, arm);
+  if (!robot) return tl::unexpected(robot.error());
+  agent::SimCell& cell = *robot->cell;
+  const agent::Ports ports{cell.camera(), cell.timed(planner), robot->arm(), cell.gripper(),
                            cell.clock()};
   Judge judge(cell.physics());
 

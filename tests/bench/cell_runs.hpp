@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "graspd/agent/ports.hpp"
+#include "graspd/motion/arm_model.hpp"
 #include "graspd/parts/catalogue.hpp"
 #include "graspd/sim_cell/pick_trace.hpp"
 #include "graspd/sim_cell/pile.hpp"
@@ -44,8 +46,10 @@ struct BinRow {
   std::string reason;  ///< why the agent ended
 };
 
-/// Has the agent empty a bin. \param on_pick called after each pick's verdict.
+/// Has the agent empty a bin. \param arm none: the gripper floats.
+/// \param on_pick called after each pick's verdict.
 Result<BinRow> empty_bin(const parts::Part& part, int parts_n, const Pipeline& pipeline, int seed,
+                         const std::optional<motion::ArmModel>& arm,
                          const sim_cell::PileMaker& piles, agent::Planner& planner,
                          const std::function<void(const PickRow&)>& on_pick);
 

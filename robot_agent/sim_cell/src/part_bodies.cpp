@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kTouch_m = 0.0005;
 /// A part that has moved by this much stirs those that touch it.
-constexpr double kStirs_m = 0.0002;
+constexpr double kStirs_m = 0.0001;
 constexpr double kClear_m = 0.01;
 constexpr double kStillFor_s = 0.25;
 constexpr double kStill_m = 0.0005;

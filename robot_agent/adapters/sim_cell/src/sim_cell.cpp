@@ -14,14 +14,18 @@ constexpr double kExposure_s = 1.0 / 30;
 
 class SimCamera final : public Camera {
  public:
-  explicit SimCamera(sim_cell::PhysicsCell& cell) : cell_(cell) {}
+  SimCamera(sim_cell::PhysicsCell& cell, Clock& clock) : cell_(cell), clock_(clock) {}
   Result<std::optional<DepthFrame>> next() override {
+    const auto stamp = clock_.now();
     cell_.wait(kExposure_s);
-    return cell_.frame();
+    DepthFrame frame = cell_.frame();
+    frame.stamp = stamp;
+    return frame;
   }
 
  private:
   sim_cell::PhysicsCell& cell_;
+  Clock& clock_;
 };
 
 class SimGripper final : public Gripper {
@@ -57,9 +61,9 @@ struct SimCell::Impl {
       : cell(kinds, pile, options) {}
 
   sim_cell::PhysicsCell cell;
-  SimCamera camera{cell};
-  SimGripper gripper{cell};
   SimClock clock{cell};
+  SimCamera camera{cell, clock};
+  SimGripper gripper{cell};
   std::optional<SimJointDriver> joint_driver;
   std::optional<FloatingArm> floating_arm;
   std::deque<TimedPlanner> planners;
