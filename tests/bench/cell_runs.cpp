@@ -1,6 +1,8 @@
 #include "cell_runs.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <optional>
 #include <utility>
@@ -59,7 +61,7 @@ class Judge final : public agent::Observer {
   void finished(const agent::PickRecord& record) override {
     planning_s += seconds(record.plan);
     if (!record.chosen) return;
-    Open open{seconds(record.plan), {}};
+    Open open{seconds(record.plan), {}, record.chosen->grasp};
     for (const Object& object : objects_) {
       if (object.id != record.chosen->grasp.object_id) continue;
       open.intended = cell_.part_at(0, object.T_base_part);
@@ -72,6 +74,7 @@ class Judge final : public agent::Observer {
     const sim_cell::JudgedPick judged = sim_cell::judge(cell_.last_trace(), open_->intended);
     PickRow row{++picks_n, std::string(name_of(judged.verdict)), judged.why, judged.others_moved_m,
                 open_->planning_s};
+    if (!row.why.empty()) row.why += "; " + place_of(open_->grasp);
     open_.reset();
     return row;
   }
@@ -83,7 +86,20 @@ class Judge final : public agent::Observer {
   struct Open {
     double planning_s = 0;
     std::optional<std::size_t> intended;
+    Grasp grasp;
   };
+
+  /// Where in the bin.
+  std::string place_of(const Grasp& grasp) const {
+    const Eigen::Isometry3d T_bin_grasp =
+        cell_.options().bin.T_base_bin.inverse() * grasp.T_base_grasp;
+    const Eigen::Vector3d p_mm = 1e3 * T_bin_grasp.translation();
+    const double tilt_rad = std::acos(std::clamp(-T_bin_grasp(2, 2), -1.0, 1.0));
+    return fmt::format(
+        "{} at ({:.0f} {:.0f} {:.0f}) mm in the bin, tilted by {:.0f}°, {:.0f} mm open",
+        grasp.pick_point, p_mm.x(), p_mm.y(), p_mm.z(), tilt_rad * 180 / M_PI,
+        1e3 * grasp.opening_width_m);
+  }
 
   const sim_cell::PhysicsCell& cell_;
   std::vector<Object> objects_;
