@@ -164,6 +164,7 @@ double PhysicsCell::time_s() const { return impl_->time_s; }
 
 Result<void> PhysicsCell::follow(double duration_s,
                                  const std::function<RobotPose(double)>& robot_at) {
+  if (!(duration_s > 0)) return {};
   const int steps_n = impl_->steps_in(duration_s);
   for (int i = 1; i <= steps_n; ++i) {
     const RobotPose robot = robot_at(duration_s * i / steps_n);
