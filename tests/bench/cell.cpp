@@ -22,6 +22,7 @@ struct Options {
   std::string out = "build/bench/cell";
   std::filesystem::path arm = "deploy/arms/probot_anno.urdf";
   bool floating = false;
+  std::string gif;
   std::string server;
   std::vector<std::string> part_ids, pipelines;
   int tee_piles_n = 20, other_piles_n = 10;
@@ -82,13 +83,14 @@ Result<void> run_part(const parts::Part& part, const std::vector<Pipeline>& pipe
       const BinKey key{pipeline.name, part.id, options.seed + k};
       if (log.has(key)) continue;
       int success_n = 0;
-      const auto bin = empty_bin(
-          part, options.parts_n, pipeline, key.seed, arm, piles, planner, [&](const PickRow& pick) {
-            log.add(key, pick);
-            success_n += pick.verdict == "SUCCESS";
-            std::cerr << fmt::format("\r{} {} pile {} of {}: {} of {} picks ", part.id,
-                                     pipeline.name, k + 1, piles_n, success_n, pick.pick_n);
-          });
+      BinJob job{part, options.parts_n, pipeline, key.seed, arm, std::nullopt};
+      if (!options.gif.empty()) job.gif = options.gif;
+      const auto bin = empty_bin(job, piles, planner, [&](const PickRow& pick) {
+        log.add(key, pick);
+        success_n += pick.verdict == "SUCCESS";
+        std::cerr << fmt::format("\r{} {} pile {} of {}: {} of {} picks ", part.id, pipeline.name,
+                                 k + 1, piles_n, success_n, pick.pick_n);
+      });
       if (!bin) return tl::unexpected(bin.error());
       log.add(key, *bin);
       std::cerr << fmt::format("\r{} {} pile {} of {}: {} of {} parts placed in {:.0f} s: {}\n",
@@ -144,6 +146,7 @@ int main(int count, char** words) {
     app.add_option("--seed", options.seed, "of the first pile; from 1000 on for tuning")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
+    app.add_option("--gif", options.gif, "an animation of each bin's first 40 s, by this name");
     app.add_flag("--fresh", options.fresh, "forget what earlier runs have measured");
     app.add_option("--out", options.out, "stem of the files that are written")
         ->capture_default_str();

@@ -41,6 +41,8 @@ sim_cell::PhysicsCellOptions layout(int seed) {
   // Fingers long enough to reach the floor along a wall while the palm stays above the rim.
   cell.gripper.jaw_size_m = {0.008, 0.016, 0.09};
   cell.gripper.palm_size_m = {0.10, 0.06, 0.05};
+  // What hangs below the tips clears the rim before it is carried away.
+  cell.gripper.retreat_m = 0.16;
   cell.seed = static_cast<std::uint64_t>(seed) << 16;
   return cell;
 }

@@ -17,6 +17,9 @@ namespace {
 constexpr int kMaxResets = 10;
 constexpr int kMaxPicksPerPart = 3;
 
+constexpr double kPicturesEvery_s = 0.4, kPicturesShown_s = 0.1;
+constexpr std::size_t kMaxPictures = 100;
+
 /// Of this thread, which the cell's physics and sensor run on: work beside the bench does not
 /// count.
 double cpu_s() {
@@ -106,6 +109,16 @@ class Judge final : public agent::Observer {
   std::optional<Open> open_;
 };
 
+void take_pictures(sim_cell::PhysicsCell& cell, const parts::Part& part,
+                   std::vector<sim_cell::Picture>& pictures) {
+  sim_cell::PictureView view;
+  view.T_base_camera = sim_cell::looking_at({0.17, -0.12, 0.17}, {0.95, -0.75, 0.75});
+  view.kind_colors = {part.color_rgb};
+  cell.every(kPicturesEvery_s, [&cell, &pictures, view] {
+    if (pictures.size() < kMaxPictures) pictures.push_back(cell.picture(view));
+  });
+}
+
 }  // namespace
 
 std::vector<Pipeline> all_pipelines() {
@@ -129,20 +142,22 @@ std::vector<Pipeline> all_pipelines() {
           made("verified_ascending", S::kGridDbscan, R::kVerified, GraspOrder::kAscending)};
 }
 
-Result<BinRow> empty_bin(const parts::Part& part, int parts_n, const Pipeline& pipeline, int seed,
-                         const std::optional<motion::ArmModel>& arm,
-                         const sim_cell::PileMaker& piles, agent::Planner& planner,
+Result<BinRow> empty_bin(const BinJob& job, const sim_cell::PileMaker& piles,
+                         agent::Planner& planner,
                          const std::function<void(const PickRow&)>& on_pick) {
   const auto wall_start = std::chrono::steady_clock::now();
-  const sim_cell::PhysicsCellOptions options = layout(seed);
-  const auto pile = piles.drop({parts_n}, options.bin.inner_size_m, std::uint64_t(seed));
+  const sim_cell::PhysicsCellOptions options = layout(job.seed);
+  const auto pile =
+      piles.drop({job.parts_n}, options.bin.inner_size_m, static_cast<std::uint64_t>(job.seed));
   if (!pile) return tl::unexpected(pile.error());
-  const std::vector<parts::Mesh> kinds{part.mesh};
-  auto robot = make_robot(kinds, *pile, options, arm);
+  const std::vector<parts::Mesh> kinds{job.part.mesh};
+  auto robot = make_robot(kinds, *pile, options, job.arm);
   if (!robot) return tl::unexpected(robot.error());
   agent::SimCell& cell = *robot->cell;
   const agent::Ports ports{cell.camera(), cell.timed(planner), robot->arm(), cell.gripper(),
                            cell.clock()};
+  std::vector<sim_cell::Picture> pictures;
+  if (job.gif) take_pictures(cell.physics(), job.part, pictures);
   Judge judge(cell.physics());
 
   double lap_s = cpu_s();
@@ -155,7 +170,7 @@ Result<BinRow> empty_bin(const parts::Part& part, int parts_n, const Pipeline& p
   BinRow bin;
   bin.parts_n = static_cast<int>(pile->parts.size());
   for (int resets_n = 0; resets_n <= kMaxResets; ++resets_n) {
-    agent::PickCycle cycle(ports, task_of(part, pipeline, options), judge);
+    agent::PickCycle cycle(ports, task_of(job.part, job.pipeline, options), judge);
     while (!cycle.is_over()) {
       const agent::State before = cycle.state();
       cycle.step();
@@ -171,6 +186,11 @@ Result<BinRow> empty_bin(const parts::Part& part, int parts_n, const Pipeline& p
   bin.duration_s = seconds(cell.clock().now());
   bin.planning_s = judge.planning_s;
   bin.wall_s = seconds(std::chrono::steady_clock::now() - wall_start);
+  if (job.gif) {
+    if (auto ok = write_gif(*job.gif, pictures, kPicturesShown_s); !ok) {
+      return tl::unexpected(ok.error());
+    }
+  }
   return bin;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -46,11 +47,18 @@ struct BinRow {
   std::string reason;  ///< why the agent ended
 };
 
-/// Has the agent empty a bin. \param arm none: the gripper floats.
-/// \param on_pick called after each pick's verdict.
-Result<BinRow> empty_bin(const parts::Part& part, int parts_n, const Pipeline& pipeline, int seed,
-                         const std::optional<motion::ArmModel>& arm,
-                         const sim_cell::PileMaker& piles, agent::Planner& planner,
+struct BinJob {
+  const parts::Part& part;
+  int parts_n = 0;
+  Pipeline pipeline;
+  int seed = 0;
+  std::optional<motion::ArmModel> arm;       ///< none: the gripper floats
+  std::optional<std::filesystem::path> gif;  ///< where an animation goes, if one is wanted
+};
+
+/// Has the agent empty a bin. \param on_pick called after each pick's verdict.
+Result<BinRow> empty_bin(const BinJob& job, const sim_cell::PileMaker& piles,
+                         agent::Planner& planner,
                          const std::function<void(const PickRow&)>& on_pick);
 
 }  // namespace graspd::bench

@@ -7,6 +7,8 @@
 
 #include "graspd/output_gripper/output_gripper.hpp"
 #include "graspd/record/recording_arm.hpp"
+#include "graspd/simulated/sim_cell.hpp"
+#include "scripted_cell.hpp"
 #include "temporary_folder.hpp"
 
 /// The grippers that `gripper_contract_test` runs on. Another one is a class that makes it, and its
@@ -50,6 +52,27 @@ class RecordingRig final : public GripperRig {
       record::RecordingArm::create(folder_.path() / "arm.jsonl", {}).value();
 };
 
+class SimulatedGripperRig final : public GripperRig {
+ public:
+  agent::Gripper& gripper() override { return cell_.gripper(); }
+
+ private:
+  /// About a thin box that stands in the bin.
+  static sim_cell::PhysicsCellOptions gripper_down() {
+    sim_cell::PhysicsCellOptions options = scripted_options();
+    options.start.T_base_grasp = down_at(0, 0, 0.01);
+    return options;
+  }
+  static sim_cell::Pile one_box() {
+    sim_cell::Pile pile;
+    pile.parts.push_back({0, at(0, 0, 0.02)});
+    return pile;
+  }
+
+  const std::vector<parts::Mesh> kinds_{box_mesh({0.01, 0.05, 0.04})};
+  agent::SimCell cell_{kinds_, one_box(), gripper_down(), std::nullopt, {}};
+};
+
 struct NamedGripperRig {
   std::string name;
   std::function<std::unique_ptr<GripperRig>()> make;
@@ -64,6 +87,7 @@ NamedGripperRig gripper_rig(const char* name) {
 inline const NamedGripperRig kGripperRigs[] = {
     gripper_rig<OutputRig>("output"),
     gripper_rig<RecordingRig>("record"),
+    gripper_rig<SimulatedGripperRig>("simulated"),
 };
 
 }  // namespace graspd::testing

@@ -8,6 +8,8 @@
 #include "fake_controller.hpp"
 #include "graspd/agent/joint_driver.hpp"
 #include "graspd/simple_message/driver.hpp"
+#include "graspd/simulated/sim_cell.hpp"
+#include "scripted_cell.hpp"
 #ifdef GRASPD_ROS
 #include "fake_ros_arm.hpp"
 #include "graspd/ros/driver.hpp"
@@ -39,6 +41,26 @@ class SimpleMessageRig final : public JointDriverRig {
   std::unique_ptr<agent::JointDriver> driver_;
 };
 
+/// The Anno upright, far from the bin.
+class SimulatedRig final : public JointDriverRig {
+ public:
+  agent::JointDriver& driver() override { return cell_.joint_driver(); }
+
+ private:
+  static sim_cell::PhysicsCellOptions beside_the_bin() {
+    sim_cell::PhysicsCellOptions options = scripted_options();
+    options.bin.T_base_bin.translation().x() = 1;
+    options.place.T_base_bin.translation().x() = 1.4;
+    return options;
+  }
+
+  const std::vector<parts::Mesh> kinds_;
+  agent::SimArm arm_{
+      motion::ArmModel::load(GRASPD_SOURCE_DIR "/deploy/arms/probot_anno.urdf").value(),
+      Eigen::Isometry3d::Identity(), agent::Joints::Zero(6)};
+  agent::SimCell cell_{kinds_, {}, beside_the_bin(), arm_, {}};
+};
+
 #ifdef GRASPD_ROS
 class RosRig final : public JointDriverRig {
  public:
@@ -65,6 +87,7 @@ NamedRig rig(const char* name) {
 
 inline const NamedRig kRigs[] = {
     rig<SimpleMessageRig>("simple_message"),
+    rig<SimulatedRig>("simulated"),
 #ifdef GRASPD_ROS
     rig<RosRig>("ros"),
 #endif

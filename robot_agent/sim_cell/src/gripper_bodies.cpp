@@ -101,6 +101,15 @@ double GripperBodies::opening_m() const {
   return across_m.dot(T_bin_grasp_.linear().col(0)) - gripper_.jaw_size_m.x();
 }
 
+std::vector<motion::PlacedShape> GripperBodies::shapes() const {
+  const Eigen::Translation3d to_palm(0, 0,
+                                     -(gripper_.jaw_size_m.z() + gripper_.palm_size_m.z()) / 2);
+  const auto pose = [](const Box& box) { return to_metres(box.body->getWorldTransform()); };
+  return {{motion::Box{gripper_.palm_size_m}, pose(palm_) * to_palm},
+          {motion::Box{gripper_.jaw_size_m}, pose(jaws_[0])},
+          {motion::Box{gripper_.jaw_size_m}, pose(jaws_[1])}};
+}
+
 void GripperBodies::set_mass(Box& box, double mass_kg) {
   btVector3 inertia(0, 0, 0);
   if (mass_kg > 0) box.shape->calculateLocalInertia(btScalar(mass_kg), inertia);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "body_label.hpp"
 #include "bullet_world.hpp"
@@ -30,6 +31,8 @@ class GripperBodies {
   void let_go();
   bool is_gripping() const { return is_gripping_; }
   double opening_m() const;
+  /// Palm and jaws, in the world's frame.
+  std::vector<motion::PlacedShape> shapes() const;
 
  private:
   struct Box {

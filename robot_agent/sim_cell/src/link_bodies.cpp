@@ -24,6 +24,7 @@ LinkBodies::LinkBodies(BulletWorld& world, std::span<const motion::LinkShape> li
     : world_(world) {
   for (const motion::LinkShape& shape : links) {
     Link& link = links_.emplace_back();
+    link.shape = shape;
     if (shape.shapes.empty()) continue;
     for (const motion::PlacedShape& piece : shape.shapes) {
       link.pieces.push_back(std::visit(MakeShape{}, piece.shape));
@@ -43,6 +44,17 @@ LinkBodies::~LinkBodies() {
   for (const Link& link : links_) {
     if (link.body) world_.bullet().removeRigidBody(link.body.get());
   }
+}
+
+std::vector<motion::PlacedShape> LinkBodies::shapes() const {
+  std::vector<motion::PlacedShape> shapes;
+  for (const Link& link : links_) {
+    for (const motion::PlacedShape& piece : link.shape.shapes) {
+      shapes.push_back(
+          {piece.shape, to_metres(link.body->getWorldTransform()) * piece.T_link_shape});
+    }
+  }
+  return shapes;
 }
 
 void LinkBodies::move_in_next_step(std::span<const Eigen::Isometry3d> T_base_links,

@@ -24,9 +24,12 @@ class LinkBodies {
   /// In the next step of the world. \param T_base_links one for each link
   void move_in_next_step(std::span<const Eigen::Isometry3d> T_base_links,
                          const Eigen::Isometry3d& T_bin_base);
+  /// Of all links, in the world's frame.
+  std::vector<motion::PlacedShape> shapes() const;
 
  private:
   struct Link {
+    motion::LinkShape shape;
     std::vector<std::unique_ptr<btCollisionShape>> pieces;
     btCompoundShape compound;
     std::unique_ptr<btRigidBody> body;  ///< none where the link takes up no space

@@ -10,6 +10,7 @@
 #include "graspd/motion/arm_model.hpp"
 #include "graspd/sim_cell/kinect_v2.hpp"
 #include "graspd/sim_cell/pick_trace.hpp"
+#include "graspd/sim_cell/picture.hpp"
 #include "graspd/sim_cell/pile.hpp"
 #include "graspd/types/request.hpp"
 
@@ -48,6 +49,13 @@ struct CellPart {
   bool is_taken_away = false;  ///< it was put into the place box
 };
 
+/// From where a picture of the cell is taken.
+struct PictureView {
+  CameraIntrinsics camera{480, 360, 430, 430, 239.5, 179.5, {}};
+  Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
+  std::vector<Rgb> kind_colors;  ///< one for each kind of part
+};
+
 /// The cell in physics. Time passes only in its calls, and what happens is settled by the piles and
 /// the calls: the same ones give the same bits on the same machine. A robot's bodies are where they
 /// are told to be, whatever is in the way; only the jaws, once they close, give way to a force.
@@ -80,6 +88,12 @@ class PhysicsCell {
   /// What the camera sees, with the robot out of view. First what still moves comes to rest; the
   /// trace ends and another begins; and what lies in the place box is taken away.
   DepthFrame frame();
+
+  /// Everything there is: bin, place box, parts, gripper and arm.
+  Picture picture(const PictureView& view) const;
+  /// Whenever so much time has passed, in whatever call: for pictures. \param watch must not move
+  /// anything; an empty one ends it
+  void every(double period_s, std::function<void()> watch);
 
   std::vector<CellPart> parts() const;
   /// The part whose barycentre is nearest to where a part of this kind is said to be, within half
