@@ -39,7 +39,7 @@ sim_cell::PhysicsCellOptions layout(int seed) {
   cell.place.T_base_bin.translation() = kPlace_m;
   cell.T_base_camera = cell.bin.T_base_bin * sim_cell::camera_over_bin(kCameraHeight_m, 0);
   // Fingers long enough to reach the floor along a wall while the palm stays above the rim.
-  cell.gripper.jaw_size_m = {0.008, 0.016, 0.09};
+  cell.gripper.jaw_size_m = {0.008, 0.016, 0.12};
   cell.gripper.palm_size_m = {0.10, 0.06, 0.05};
   // What hangs below the tips clears the rim before it is carried away.
   cell.gripper.retreat_m = 0.16;

@@ -34,7 +34,7 @@ TEST_F(AgentRecordsTest, ARunIsKeptWithAllThatLedToIt) {
   EXPECT_EQ(request.at("last_plan").at("objects").size(), 3u);
   EXPECT_EQ(read_json(kept / "answers/000001.json").at("outcome"), "UNCHANGED");
   const json pick = picks("bop").at(1);
-  EXPECT_EQ(pick.at("ms").at("steps").at(0).at(0), "pre_grasp");
+  EXPECT_EQ(pick.at("ms").at("steps").at(0).at(0), "open");
   EXPECT_GE(pick.at("end_s").get<double>(), pick.at("start_s").get<double>());
 
   // The frames are a scene like any other: they can be evaluated, and replayed.

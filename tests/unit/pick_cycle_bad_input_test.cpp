@@ -252,7 +252,7 @@ TEST_F(PickCycleTest, EveryStepIsTimed) {
     sum += duration;
   }
   EXPECT_THAT(steps,
-              ElementsAre("pre_grasp", "open", "approach", "close", "lift", "check", "transfer",
+              ElementsAre("open", "pre_grasp", "approach", "close", "lift", "check", "transfer",
                           "check", "place", "release", "check", "retreat", "out_of_view"));
   const PickRecord& record = records[0];
   EXPECT_EQ(sum, record.pick + record.place + record.clear_view);

@@ -51,13 +51,13 @@ TEST_F(RecordsTest, TheArmWritesDownTheFramesAndThenWhatItIsTold) {
   for (const json& line : lines) {
     if (line.value("pick", 0) == 2) steps.push_back(line.at("step"));
   }
-  EXPECT_THAT(steps, ElementsAre("pre_grasp", "open", "approach", "close", "lift", "transfer",
+  EXPECT_THAT(steps, ElementsAre("open", "pre_grasp", "approach", "close", "lift", "transfer",
                                  "place", "release", "retreat", "out_of_view"));
   const json& approach = lines.at(4);
   EXPECT_EQ(approach.at("path"), "straight");
   ASSERT_THAT(approach.at("T_base_grasp"), SizeIs(16));
   EXPECT_NEAR(approach.at("T_base_grasp").at(3).get<double>(), 0.1, 1e-12);  // x of object 1
-  EXPECT_EQ(lines.at(3).at("opening_width_m"), 0.044);
+  EXPECT_EQ(lines.at(2).at("opening_width_m"), 0.044);
 }
 
 TEST_F(RecordsTest, AnArmWithoutAFileIsNamed) {

@@ -41,7 +41,7 @@ TEST_F(PickCycleTest, PicksPlacesAndTakesTheNextFrameUntilTheRecordingIsOver) {
 TEST_F(PickCycleTest, TellsArmAndGripperTheStepsInOrder) {
   script({planned()});
   run();
-  EXPECT_THAT(robot.told_all, ElementsAre("out_of_view", "pre_grasp", "open 0.044", "approach",
+  EXPECT_THAT(robot.told_all, ElementsAre("out_of_view", "open 0.044", "pre_grasp", "approach",
                                           "close", "lift", "holds?", "transfer", "holds?", "place",
                                           "open 0.044", "holds?", "retreat", "out_of_view"));
 }

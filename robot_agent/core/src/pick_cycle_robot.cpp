@@ -67,8 +67,9 @@ Event PickCycle::clear_view() {
 
 Event PickCycle::pick() {
   const Stopwatch stopwatch(ports_.clock, record_->pick);
-  const auto held = move(motions_.pre_grasp)
-                        .and_then([&] { return open(Step::kOpen); })
+  // Opened before it dives into the bin: its way was checked with jaws as wide as that.
+  const auto held = open(Step::kOpen)
+                        .and_then([&] { return move(motions_.pre_grasp); })
                         .and_then([&] { return move(motions_.approach); })
                         .and_then([&] { return close(); })
                         .and_then([&] { return move(motions_.lift); })

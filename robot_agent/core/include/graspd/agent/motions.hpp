@@ -11,8 +11,8 @@ namespace graspd::agent {
 
 /// What the arm and the gripper do in one pick, in this order, and what they do to stir the pile.
 enum class Step {
-  kPreGrasp,
   kOpen,
+  kPreGrasp,
   kApproach,
   kClose,
   kLift,
