@@ -33,11 +33,15 @@ MotionConfig read_motion(YamlMap map, const std::filesystem::path& input) {
   return config;
 }
 
-PileConfig read_pile(YamlMap map, const std::filesystem::path& input) {
+PileConfig read_pile(YamlMap map, const std::filesystem::path& input,
+                     const std::filesystem::path& output) {
   PileConfig config;
   config.parts = read_input(map, "parts", input);
   map.optional("count_n", config.count_n);
   map.optional("seed", config.seed);
+  std::string film;
+  map.optional("film", film);
+  if (!film.empty()) config.film = output / film;
   if (config.count_n == 0) map.fault("count_n", "'count_n' must be at least 1");
   return config;
 }

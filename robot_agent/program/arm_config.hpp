@@ -23,9 +23,11 @@ struct PileConfig {
   std::filesystem::path parts;  ///< the catalogue's folder
   std::uint32_t count_n = 30;   ///< of each part that the cell asks for
   std::uint32_t seed = 1;
+  std::filesystem::path film;  ///< an animation of the cell; empty: none is made
 };
 
 MotionConfig read_motion(YamlMap map, const std::filesystem::path& input);
-PileConfig read_pile(YamlMap map, const std::filesystem::path& input);
+PileConfig read_pile(YamlMap map, const std::filesystem::path& input,
+                     const std::filesystem::path& output);
 
 }  // namespace graspd::robot_agent

@@ -114,7 +114,7 @@ void read_arm(YamlMap map, const fs::path& input, const fs::path& output, CellCo
       break;
     case ArmKind::kSimulated:
       config.motion = read_motion(map.map("motion"), input);
-      config.pile = read_pile(map.map("pile"), input);
+      config.pile = read_pile(map.map("pile"), input, output);
       break;
   }
 }

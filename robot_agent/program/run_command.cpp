@@ -95,6 +95,7 @@ Result<int> run_cell(const RunArguments& arguments) {
   std::fflush(stdout);  // above the lines of other agents that share the terminal
   pick(config->cell, cycle);
   reporter.ended(cycle);
+  if (auto ok = equipment->finish(); !ok) return tl::unexpected(ok.error());
   return cycle.state() == agent::State::kDone ? kExitDone : kExitFailed;
 }
 

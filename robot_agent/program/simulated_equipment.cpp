@@ -2,6 +2,7 @@
 
 #include "graspd/motion/planned_arm.hpp"
 #include "graspd/parts/catalogue.hpp"
+#include "graspd/simulated/film.hpp"
 #include "graspd/simulated/sim_cell.hpp"
 
 namespace graspd::robot_agent {
@@ -12,21 +13,29 @@ struct Simulated {
   std::vector<parts::Mesh> kinds;
   std::optional<agent::SimCell> cell;
   std::unique_ptr<agent::Arm> arm;
+  std::optional<agent::Film> film;
 };
 
-Result<std::vector<parts::Mesh>> meshes_of(const CellConfig& config) {
+/// The parts that may be in the bin.
+struct Kinds {
+  std::vector<parts::Mesh> meshes;
+  std::vector<sim_cell::Rgb> colors;
+};
+
+Result<Kinds> kinds_of(const CellConfig& config) {
   const auto catalogue = parts::Catalogue::load(config.pile->parts);
   if (!catalogue) return tl::unexpected(catalogue.error());
-  std::vector<parts::Mesh> meshes;
+  Kinds kinds;
   for (const RequestedPart& requested : config.parts) {
     const parts::Part* part = catalogue->find(requested.id);
     if (part == nullptr) {
       return fail(Code::kUnknownPart, "parts: {} has no part '{}'", config.pile->parts.string(),
                   requested.id);
     }
-    meshes.push_back(part->mesh);
+    kinds.meshes.push_back(part->mesh);
+    kinds.colors.push_back(part->color_rgb);
   }
-  return meshes;
+  return kinds;
 }
 
 sim_cell::PhysicsCellOptions layout(const CellConfig& config) {
@@ -50,10 +59,10 @@ Result<Equipment> make_simulated_equipment(const CellConfig& config) {
   motion::MotionParameters parameters = config.motion->parameters;
   parameters.gripper = config.gripper;
 
-  auto kinds = meshes_of(config);
+  auto kinds = kinds_of(config);
   if (!kinds) return tl::unexpected(kinds.error());
   const auto simulated = std::make_shared<Simulated>();
-  simulated->kinds = *std::move(kinds);
+  simulated->kinds = std::move(kinds->meshes);
   const sim_cell::PileMaker piles(simulated->kinds);
   const std::vector<int> counts(simulated->kinds.size(), static_cast<int>(config.pile->count_n));
   const auto pile = piles.drop(counts, config.bin->inner_size_m, config.pile->seed);
@@ -71,6 +80,8 @@ Result<Equipment> make_simulated_equipment(const CellConfig& config) {
   simulated->arm = *std::move(arm);
 
   agent::SimCell& cell = *simulated->cell;
+  if (!config.pile->film.empty()) simulated->film.emplace(cell.physics(), kinds->colors);
+
   Equipment equipment;
   equipment.clock = {simulated, &cell.clock()};
   equipment.camera = {simulated, &cell.camera()};
@@ -78,6 +89,9 @@ Result<Equipment> make_simulated_equipment(const CellConfig& config) {
   equipment.gripper = {simulated, &cell.gripper()};
   equipment.timed = [&cell](agent::Planner& planner) -> agent::Planner& {
     return cell.timed(planner);
+  };
+  equipment.finish = [simulated, path = config.pile->film] {
+    return simulated->film ? simulated->film->write(path) : Result<void>();
   };
   return equipment;
 }

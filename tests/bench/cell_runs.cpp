@@ -17,9 +17,6 @@ namespace {
 constexpr int kMaxResets = 10;
 constexpr int kMaxPicksPerPart = 3;
 
-constexpr double kPicturesEvery_s = 0.4, kPicturesShown_s = 0.1;
-constexpr std::size_t kMaxPictures = 100;
-
 /// Of this thread, which the cell's physics and sensor run on: work beside the bench does not
 /// count.
 double cpu_s() {
@@ -109,16 +106,6 @@ class Judge final : public agent::Observer {
   std::optional<Open> open_;
 };
 
-void take_pictures(sim_cell::PhysicsCell& cell, const parts::Part& part,
-                   std::vector<sim_cell::Picture>& pictures) {
-  sim_cell::PictureView view;
-  view.T_base_camera = sim_cell::looking_at({0.17, -0.12, 0.17}, {0.95, -0.75, 0.75});
-  view.kind_colors = {part.color_rgb};
-  cell.every(kPicturesEvery_s, [&cell, &pictures, view] {
-    if (pictures.size() < kMaxPictures) pictures.push_back(cell.picture(view));
-  });
-}
-
 }  // namespace
 
 std::vector<Pipeline> all_pipelines() {
@@ -156,8 +143,8 @@ Result<BinRow> empty_bin(const BinJob& job, const sim_cell::PileMaker& piles,
   agent::SimCell& cell = *robot->cell;
   const agent::Ports ports{cell.camera(), cell.timed(planner), robot->arm(), cell.gripper(),
                            cell.clock()};
-  std::vector<sim_cell::Picture> pictures;
-  if (job.gif) take_pictures(cell.physics(), job.part, pictures);
+  std::optional<agent::Film> film;
+  if (job.gif) film.emplace(cell.physics(), std::vector{job.part.color_rgb});
   Judge judge(cell.physics());
 
   double lap_s = cpu_s();
@@ -186,10 +173,8 @@ Result<BinRow> empty_bin(const BinJob& job, const sim_cell::PileMaker& piles,
   bin.duration_s = seconds(cell.clock().now());
   bin.planning_s = judge.planning_s;
   bin.wall_s = seconds(std::chrono::steady_clock::now() - wall_start);
-  if (job.gif) {
-    if (auto ok = write_gif(*job.gif, pictures, kPicturesShown_s); !ok) {
-      return tl::unexpected(ok.error());
-    }
+  if (film) {
+    if (auto ok = film->write(*job.gif); !ok) return tl::unexpected(ok.error());
   }
   return bin;
 }
