@@ -6,6 +6,7 @@
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
 
+#include <algorithm>
 #include <map>
 #include <mutex>
 
@@ -25,15 +26,6 @@ const Histogram::BucketBoundaries kSeconds{0.001, 0.002, 0.005, 0.01, 0.02, 0.05
 double seconds(std::chrono::nanoseconds duration) {
   return std::chrono::duration<double>(duration).count();
 }
-
-/// Load that the server could not take, which more servers would.
-bool is_shed(Code code) {
-  return code == Code::kBusy || code == Code::kSuperseded || code == Code::kDeadlineExceeded ||
-         code == Code::kDraining;
-}
-
-/// Defects, which somebody has to look into.
-bool is_broken(Code code) { return code == Code::kInternal || code == Code::kRejectedPoison; }
 
 }  // namespace
 
@@ -75,10 +67,10 @@ class Metrics::Impl {
   Gauge& ready = gauges("graspd_ready", "1 where /readyz says so.").Add({});
   Gauge& draining = gauges("graspd_draining", "1 where the server is shutting down.").Add({});
 
-  /// Of the maps: prometheus-cpp guards its own.
+  /// Of what follows: prometheus-cpp guards its own.
   std::mutex mutex;
   std::map<std::string, OfCell, std::less<>> by_cell;
-  std::map<std::string, OfStage> by_stage;
+  std::vector<OfStage> by_stage;  ///< in the order they are run in
   std::map<Code, std::uint64_t> by_code;
 
  private:
@@ -128,11 +120,11 @@ Metrics::Impl::OfCell& Metrics::Impl::cell(std::string_view name) {
 }
 
 Metrics::Impl::OfStage& Metrics::Impl::stage(const std::string& name) {
-  const auto [entry, is_new] = by_stage.try_emplace(name);
-  if (is_new) {
-    entry->second = {&stage_seconds.Add({{"stage", name}}, kSeconds), {name, 0, 0}};
-  }
-  return entry->second;
+  const auto found = std::find_if(by_stage.begin(), by_stage.end(),
+                                  [&](const OfStage& known) { return known.total.stage == name; });
+  if (found != by_stage.end()) return *found;
+  return by_stage.emplace_back(
+      OfStage{&stage_seconds.Add({{"stage", name}}, kSeconds), {name, 0, 0}});
 }
 
 Metrics::Metrics(const ServerInfo& server, const std::vector<std::string>& part_ids,
@@ -192,7 +184,7 @@ std::vector<CodeCount> Metrics::answers_by_code() const {
 std::vector<StageTotal> Metrics::stages() const {
   const std::lock_guard lock(impl_->mutex);
   std::vector<StageTotal> totals;
-  for (const auto& [name, stage] : impl_->by_stage) totals.push_back(stage.total);
+  for (const Impl::OfStage& stage : impl_->by_stage) totals.push_back(stage.total);
   return totals;
 }
 

@@ -63,6 +63,17 @@ struct EnumNames<ServerState> {
       {ServerState::kDraining, "draining"}};
 };
 
+/// Load that a server could not take, and that more servers would.
+constexpr bool is_shed(Code code) {
+  return code == Code::kBusy || code == Code::kSuperseded || code == Code::kDeadlineExceeded ||
+         code == Code::kDraining;
+}
+
+/// Defects of a server, which somebody has to look into.
+constexpr bool is_broken(Code code) {
+  return code == Code::kInternal || code == Code::kRejectedPoison;
+}
+
 /// Since the server started.
 struct CodeCount {
   Code code = Code::kOk;
