@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace graspd::service {
@@ -13,7 +14,7 @@ std::string hex(const RequestId& id) { return fmt::format("{:02x}", fmt::join(id
 
 /// To a microsecond.
 double ms(std::chrono::nanoseconds duration) {
-  return static_cast<double>(duration.count() / 1000) / 1000;
+  return std::round(static_cast<double>(duration.count()) / 1e3) / 1e3;
 }
 
 /// Bytes that are no UTF-8 are replaced, so that every line can be read.
