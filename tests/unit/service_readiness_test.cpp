@@ -13,7 +13,6 @@ namespace {
 using client::Client;
 using graspd::testing::http_get;
 using graspd::testing::HttpAnswer;
-using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
 ServerConfig with_http(std::uint32_t workers_n) {
