@@ -8,5 +8,9 @@ namespace graspd::program {
 void add_plan_command(CLI::App& app);
 /// Adds `health`: asks servers how they are.
 void add_health_command(CLI::App& app);
+/// Adds `stats`: what servers do, as a live table.
+void add_stats_command(CLI::App& app);
+/// Adds `replay`: sends a request again that a server has recorded.
+void add_replay_command(CLI::App& app);
 
 }  // namespace graspd::program

@@ -12,5 +12,7 @@ int main(int count, char** words) {
         "Example: grasp plan --depth frame.png --camera camera.yaml --part tee --overlay plan.png");
     graspd::program::add_plan_command(app);
     graspd::program::add_health_command(app);
+    graspd::program::add_stats_command(app);
+    graspd::program::add_replay_command(app);
   });
 }

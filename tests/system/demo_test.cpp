@@ -30,6 +30,9 @@ TEST(DemoTest, ServesTwoCellsAndSaysWhereThePicturesAre) {
     EXPECT_THAT(finished.output, HasSubstr(picture.string()));
     EXPECT_THAT(finished.output, HasSubstr("Cell " + cell + ", frame 0: ranked grasps"));
   }
+  EXPECT_THAT(finished.output,
+              ::testing::ContainsRegex("metrics at http://127.0.0.1:[0-9]+/metrics"));
+  EXPECT_THAT(finished.output, ::testing::ContainsRegex("stage +runs +mean ms"));
   for (const std::string recording : {"kinect_tees", "realsense_elbows"}) {
     EXPECT_THAT(finished.output, HasSubstr("Left out: /nowhere/" + recording));
   }

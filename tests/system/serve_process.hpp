@@ -37,19 +37,22 @@ inline Finished run(const std::string& command) {
   return finished;
 }
 
-/// `grasp_server serve …` on free ports; ended at the end, if it still runs.
+/// `grasp_server serve …` on free ports; ended at the end, if it still runs. Its log goes into
+/// `log`, where that is said.
 class ServeProcess {
  public:
-  explicit ServeProcess(std::vector<std::string> arguments) {
-    const std::vector<std::string> common{
-        GRASP_SERVER,        "serve",       "--endpoint", "tcp://127.0.0.1:0", "--control-endpoint",
-        "tcp://127.0.0.1:0", "--log-level", "warning"};
+  explicit ServeProcess(std::vector<std::string> arguments, const std::string& log = {}) {
+    const std::vector<std::string> common{GRASP_SERVER,         "serve",
+                                          "--endpoint",         "tcp://127.0.0.1:0",
+                                          "--control-endpoint", "tcp://127.0.0.1:0",
+                                          "--log-level",        log.empty() ? "warning" : "info"};
     arguments.insert(arguments.begin(), common.begin(), common.end());
     int output[2];
     if (pipe2(output, O_CLOEXEC) != 0) throw std::runtime_error("pipe failed");
     pid_ = fork();
     if (pid_ == 0) {
       dup2(output[1], STDOUT_FILENO);
+      if (!log.empty()) dup2(open(log.c_str(), O_CREAT | O_WRONLY, 0600), STDERR_FILENO);
       std::vector<char*> words;
       for (std::string& argument : arguments) words.push_back(argument.data());
       words.push_back(nullptr);
@@ -72,7 +75,8 @@ class ServeProcess {
 
   /// Reads the line that says where it listens. \returns false where it ended instead.
   bool wait_ready() {
-    static const std::regex line(R"(grasp_server ready: data (\S+), control (\S+), [^\n]*\n)");
+    static const std::regex line(
+        R"(grasp_server ready: data (\S+), control (\S+), [^\n]*?(?:, metrics (\S+)/metrics)?\n)");
     std::string text;
     std::smatch match;
     char byte = 0;
@@ -82,6 +86,7 @@ class ServeProcess {
     }
     data_endpoint = match[1];
     control_endpoint = match[2];
+    http_url = match[3];
     return true;
   }
   void kill(int signal) const { ::kill(pid_, signal); }
@@ -104,6 +109,7 @@ class ServeProcess {
 
   std::string data_endpoint;
   std::string control_endpoint;
+  std::string http_url;  ///< empty where there is no HTTP
 
  private:
   pid_t pid_ = -1;

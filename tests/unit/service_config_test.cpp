@@ -92,6 +92,9 @@ TEST_F(ConfigTest, WhatIsWrittenReadsBackTheSame) {
   config.parts = "/somewhere/with \"quotes\" and: colons";
   config.workers_n = 5;
   config.log_level = LogLevel::kOff;
+  config.record_failed = "/somewhere/failed";
+  config.http_endpoint = "tcp://0.0.0.0:9464";
+  config.http_expose = true;
   config.perception.segmentation.method = Segmentation::kEuclidean;
   config.perception.segmentation.eps_m = 0.1 / 3;
   config.perception.grs.order = GraspOrder::kAscending;

@@ -70,6 +70,7 @@ class RunningFront {
       : stop_fd_(eventfd(0, EFD_CLOEXEC | EFD_SEMAPHORE)), front_(options(config), launcher) {
     data_endpoint = front_.data_endpoint();
     control_endpoint = front_.control_endpoint();
+    http_url = front_.http_url();
     thread_ = std::thread([this] {
       try {
         front_.run();
@@ -100,12 +101,13 @@ class RunningFront {
 
   std::string data_endpoint;
   std::string control_endpoint;
+  std::string http_url;
 
  private:
   FrontOptions options(const ServerConfig& config) {
     FrontOptions options;
     options.config = config;
-    options.facts = {kScriptedParts, kScriptedServer};
+    options.facts = {kScriptedParts, kScriptedServer, {"known"}};
     options.worker_endpoint = "ipc://" + (directory_.path() / "workers").string();
     options.stop_fd = stop_fd_;
     options.on_ready = [this] { ready_.set_value(); };

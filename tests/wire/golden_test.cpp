@@ -209,6 +209,16 @@ Answer health_answer() {
                                .server = kServer}};
 }
 
+Answer stats_answer() {
+  Answer answer = health_answer();
+  auto& health = std::get<HealthAnswer>(answer.body);
+  health.answers_by_code = {{Code::kOk, 4'000'000'000}, {Code::kBusy, 12}};
+  health.stages = {{"queue", 7, 1'200'000}, {"registration", 7, 560'000'000}};
+  health.workers_lost_n = 3;
+  health.memory_bytes = 5'000'000'000;
+  return answer;
+}
+
 Answer refusal() {
   return {.id = id_from(1),
           .code = Code::kBusy,
@@ -251,6 +261,7 @@ std::map<std::string, Answer> answers() {
   return {{"0.1.0_health_answer", health_answer()},
           {"0.1.0_plan_answer", plan_answer()},
           {"0.1.0_refusal", refusal()},
+          {"0.1.0_stats_answer", stats_answer()},
           {"0.1.0_pile_answer", pile_answer()}};
 }
 

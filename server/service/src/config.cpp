@@ -28,6 +28,29 @@ Result<void> validate_range(std::string_view key, std::uint32_t value, std::uint
   return {};
 }
 
+/// Metrics and health are nothing secret, but nobody's business either unless somebody says so.
+Result<void> validate_http(const ServerConfig& config) {
+  if (config.http_endpoint.empty()) return {};
+  const Result<TcpEndpoint> endpoint = parse_endpoint(config.http_endpoint);
+  if (!endpoint) return invalid("http: endpoint: {}", endpoint.error().message);
+  if (!endpoint->is_loopback() && !config.http_expose) {
+    return invalid(
+        "http: endpoint: {} can be reached from other machines; listen on 127.0.0.1, or say "
+        "'expose: true' beside it where everybody may read the metrics",
+        config.http_endpoint);
+  }
+  return {};
+}
+
+/// Paths in a file are relative to it.
+void optional_path(YamlMap& map, const std::string& key, const std::filesystem::path& file,
+                   std::filesystem::path& path) {
+  std::string text = path;
+  map.optional(key, text);
+  path =
+      text.empty() ? std::filesystem::path() : std::filesystem::absolute(file).parent_path() / text;
+}
+
 std::string quoted(const std::string& text) {
   YAML::Emitter emitter;
   emitter << YAML::DoubleQuoted << text;
@@ -43,15 +66,17 @@ Result<ServerConfig> read_config(const std::filesystem::path& path) {
   root.optional("data_endpoint", config.data_endpoint);
   root.optional("control_endpoint", config.control_endpoint);
   root.optional("insecure", config.insecure);
-  std::string parts = config.parts;
-  root.optional("parts", parts);
-  config.parts = std::filesystem::absolute(path).parent_path() / parts;
+  optional_path(root, "parts", path, config.parts);
   root.optional("workers_n", config.workers_n);
   root.optional("worker_threads_n", config.worker_threads_n);
   root.optional("worker_memory_limit_mib", config.worker_memory_limit_mib);
   root.optional("worker_time_limit_ms", config.worker_time_limit_ms);
   root.optional("drain_limit_ms", config.drain_limit_ms);
   root.optional_enum("log_level", config.log_level);
+  optional_path(root, "record_failed", path, config.record_failed);
+  YamlMap http = root.map("http");
+  http.optional("endpoint", config.http_endpoint);
+  http.optional("expose", config.http_expose);
   read_parameters(root.map("perception"), config.perception);
   if (auto ok = document.finish(); !ok) return tl::unexpected(ok.error());
   return config;
@@ -63,6 +88,7 @@ Result<void> validate(const ServerConfig& config) {
   for (const auto& [key, endpoint] : endpoints) {
     if (auto ok = validate_endpoint(key, *endpoint, config.insecure); !ok) return ok;
   }
+  if (auto ok = validate_http(config); !ok) return ok;
   if (auto ok = validate_range("workers_n", config.workers_n, 0, 256); !ok) return ok;
   if (auto ok = validate_range("worker_threads_n", config.worker_threads_n, 0, 256); !ok) return ok;
   const std::uint32_t limit_mib = config.worker_memory_limit_mib;
@@ -79,11 +105,13 @@ std::string to_yaml(const ServerConfig& config) {
   return fmt::format(
       "data_endpoint: {}\ncontrol_endpoint: {}\ninsecure: {}\nparts: {}\nworkers_n: {}\n"
       "worker_threads_n: {}\nworker_memory_limit_mib: {}\nworker_time_limit_ms: {}\n"
-      "drain_limit_ms: {}\nlog_level: {}\nperception:\n{}",
+      "drain_limit_ms: {}\nlog_level: {}\nrecord_failed: {}\nhttp:\n  endpoint: {}\n  expose: {}\n"
+      "perception:\n{}",
       quoted(config.data_endpoint), quoted(config.control_endpoint), config.insecure,
       quoted(config.parts), config.workers_n, config.worker_threads_n,
       config.worker_memory_limit_mib, config.worker_time_limit_ms, config.drain_limit_ms,
-      name_of(config.log_level), parameters_to_yaml(config.perception, 2));
+      name_of(config.log_level), quoted(config.record_failed), quoted(config.http_endpoint),
+      config.http_expose, parameters_to_yaml(config.perception, 2));
 }
 
 std::string config_hash(const perception::Parameters& parameters) {

@@ -40,7 +40,13 @@ Front::Impl::Impl(FrontOptions options, WorkerLauncher& launcher)
       admission_(pool_size(options_.config), std::random_device{}()),
       supervisor_(pool_size(options_.config), options_.worker_endpoint, launcher,
                   limits_of(options_.config)),
-      started_(Clock::now()) {}
+      started_(Clock::now()),
+      metrics_(options_.facts.server, options_.facts.part_ids, options_.facts.cells),
+      status_(started_),
+      recorder_(options_.config.record_failed) {
+  const std::string& http_endpoint = options_.config.http_endpoint;
+  if (!http_endpoint.empty()) http_.emplace(http_endpoint, http_pages());
+}
 
 void Front::Impl::run() {
   while (!finished()) {
@@ -52,6 +58,7 @@ void Front::Impl::run() {
     tend_workers();
     expire();
     dispatch();
+    observe();
   }
   say_goodbye();
 }
@@ -120,7 +127,11 @@ void Front::Impl::read_data() {
 
 void Front::Impl::tend_workers() {
   const Supervisor::Report report = supervisor_.tend(Clock::now());
-  for (const std::string& notice : report.notices) log(LogLevel::kWarning, "{}", notice);
+  for (const std::string& notice : report.notices) {
+    log(LogLevel::kWarning, "{}", notice);
+    metrics_.worker_lost();
+    last_loss_ = notice;
+  }
   for (const Supervisor::Lost& lost : report.lost) {
     finish(lost.ticket, false);
     refuse(lost.ticket, {Code::kInternal,
@@ -157,6 +168,7 @@ Front::Front(FrontOptions options, WorkerLauncher& launcher)
 Front::~Front() = default;
 std::string Front::data_endpoint() const { return impl_->data_endpoint(); }
 std::string Front::control_endpoint() const { return impl_->control_endpoint(); }
+std::string Front::http_url() const { return impl_->http_url(); }
 void Front::run() { impl_->run(); }
 
 }  // namespace graspd::service

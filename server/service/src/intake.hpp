@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "graspd/types/envelope.hpp"
 #include "messages.hpp"
@@ -15,7 +16,8 @@ struct PlanJob {
   RequestId id{};
   std::uint32_t attempt = 1;
   std::string cell;
-  std::string parts;  ///< "tee,elbow", for the log
+  std::vector<std::string> parts;
+  FrameDescription frame;
   std::chrono::milliseconds budget{0};
   zmq::message_t envelope;
   zmq::message_t payload;
@@ -27,6 +29,7 @@ struct HealthQuestion {
 
 struct Refused {
   RequestId id{};
+  std::string cell;  ///< where it could be read
   Error error;
 };
 

@@ -63,6 +63,28 @@ struct EnumNames<ServerState> {
       {ServerState::kDraining, "draining"}};
 };
 
+/// Load that a server could not take, and that more servers would.
+constexpr bool is_shed(Code code) {
+  return code == Code::kBusy || code == Code::kSuperseded || code == Code::kDeadlineExceeded ||
+         code == Code::kDraining;
+}
+
+/// Defects of a server, which somebody has to look into.
+constexpr bool is_broken(Code code) {
+  return code == Code::kInternal || code == Code::kRejectedPoison;
+}
+
+/// Since the server started.
+struct CodeCount {
+  Code code = Code::kOk;
+  std::uint64_t answers_n = 0;
+};
+struct StageTotal {
+  std::string stage;
+  std::uint64_t runs_n = 0;
+  std::int64_t total_ns = 0;
+};
+
 struct HealthAnswer {
   ServerState state = ServerState::kStarting;
   std::uint32_t workers_n = 0;
@@ -72,6 +94,10 @@ struct HealthAnswer {
   double uptime_s = 0;
   std::vector<std::string> part_ids;
   ServerInfo server;
+  std::vector<CodeCount> answers_by_code;  ///< of plan requests
+  std::vector<StageTotal> stages;
+  std::uint64_t workers_lost_n = 0;
+  std::uint64_t memory_bytes = 0;  ///< resident, of the server and its workers
 };
 
 /// Any code but OK comes with a message and no body.

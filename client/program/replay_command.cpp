@@ -1,0 +1,90 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "commands.hpp"
+#include "exit_codes.hpp"
+#include "graspd/client/client.hpp"
+#include "graspd/codec/codec.hpp"
+#include "plan_report.hpp"
+
+namespace graspd::program {
+namespace {
+
+struct ReplayArguments {
+  std::vector<std::string> servers{"tcp://127.0.0.1:5555"};
+  std::string request;
+  int budget_ms = 10'000;
+  bool json = false;
+};
+
+Result<std::string> read_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return invalid("{}: can't be read", path.string());
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+codec::Bytes view(const std::string& bytes) { return std::as_bytes(std::span(bytes)); }
+
+Result<int> replay(const ReplayArguments& arguments) {
+  const std::filesystem::path path = arguments.request;
+  const auto envelope = read_bytes(path);
+  if (!envelope) return tl::unexpected(envelope.error());
+  const auto payload = read_bytes(std::filesystem::path(path).replace_extension(".depth"));
+  if (!payload) return tl::unexpected(payload.error());
+  const auto request = codec::decode_request(view(*envelope));
+  if (!request) return invalid("{}: {}", path.string(), request.error().message);
+  const auto* call = std::get_if<PlanCall>(&request->call);
+  if (call == nullptr) return invalid("{}: no plan request", path.string());
+  const auto frame = codec::decode_frame(call->frame, view(*payload));
+  if (!frame) return invalid("{}: {}", path.string(), frame.error().message);
+
+  client::ClientOptions options;
+  options.cell = request->cell;
+  client::Client client(arguments.servers, options);
+  const auto start = std::chrono::steady_clock::now();
+  const auto answer =
+      client.plan(*frame, call->plan, std::chrono::milliseconds(arguments.budget_ms));
+  if (!answer) return tl::unexpected(answer.error());
+  if (arguments.json) {
+    fmt::print("{}\n", codec::to_json(*answer, true));
+  } else {
+    fmt::print("{}", plan_report(*answer, std::chrono::steady_clock::now() - start));
+  }
+  return exit_code(answer->outcome);
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app) {
+  const auto arguments = std::make_shared<ReplayArguments>();
+  CLI::App* command =
+      app.add_subcommand("replay", "send a request again that a server has recorded");
+  command->add_option("request", arguments->request, "ID.request; ID.depth is beside it")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--server", arguments->servers, "endpoint; say it once per server")
+      ->type_name("tcp://HOST:PORT")
+      ->capture_default_str();
+  command->add_option("--budget-ms", arguments->budget_ms, "how long to wait for the answer")
+      ->check(CLI::Range(1, 3'600'000))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "print the whole answer as JSON");
+  command->footer(
+      "A server records requests that failed where its configuration says record_failed.\n\n"
+      "Example: grasp replay failed/0123456789abcdef0123456789abcdef.request");
+  command->callback([arguments] {
+    const Result<int> code = replay(*arguments);
+    if (!code) {
+      fmt::print(stderr, "grasp: {}: {}\n", name_of(code.error().code), code.error().message);
+      throw CLI::RuntimeError(exit_code(code.error().code));
+    }
+    if (*code != 0) throw CLI::RuntimeError(*code);
+  });
+}
+
+}  // namespace graspd::program
