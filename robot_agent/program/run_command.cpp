@@ -22,6 +22,7 @@ struct RunArguments {
   std::vector<std::string> servers;
   std::filesystem::path recording;
   std::optional<std::uint32_t> frames_n;
+  std::optional<std::uint32_t> pile_n;
   bool no_header = false;
 };
 
@@ -31,6 +32,7 @@ Result<CellConfig> configure(const RunArguments& arguments) {
   if (!arguments.servers.empty()) config->servers = arguments.servers;
   if (!arguments.recording.empty()) config->camera.path = arguments.recording;
   if (arguments.frames_n) config->camera.frames_n = *arguments.frames_n;
+  if (arguments.pile_n && config->pile) config->pile->count_n = *arguments.pile_n;
   return config;
 }
 
@@ -125,6 +127,11 @@ void add_run_command(CLI::App& app) {
   command->add_option("--recording", arguments->recording, "replay this, not the configuration's")
       ->type_name("PATH");
   command->add_option("--frames", arguments->frames_n, "end after so many frames")->type_name("N");
+  command
+      ->add_option("--pile", arguments->pile_n,
+                   "so many of each part in a simulated cell, not the configuration's")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
   command->add_flag("--no-header", arguments->no_header, "where several agents share a terminal");
   command->footer(
       "Prints a line per frame, and writes a folder with the run's records (`robot_agent report` "
