@@ -18,6 +18,8 @@ struct Equipment {
   /// The same planner, whose time passes on that clock as well.
   std::function<agent::Planner&(agent::Planner&)> timed =
       [](agent::Planner& planner) -> agent::Planner& { return planner; };
+  /// What is left to do when the cell has ended.
+  std::function<Result<void>()> finish = [] { return Result<void>(); };
 };
 
 /// What the configuration names: the one place that knows every adapter.

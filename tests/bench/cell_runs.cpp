@@ -9,6 +9,7 @@
 
 #include "cell_robot.hpp"
 #include "graspd/agent/pick_cycle.hpp"
+#include "graspd/simulated/film.hpp"
 
 namespace graspd::bench {
 namespace {
