@@ -19,7 +19,8 @@ Finished demo(const std::string& environment) {
 
 TEST(DemoTest, ServesTwoCellsAndSaysWhereThePicturesAre) {
   const TemporaryFolder folder;
-  const Finished finished = demo(fmt::format("PILE=4 OUT={} BIN={}", folder.path().string(), PROGRAMS));
+  const Finished finished =
+      demo(fmt::format("PILE=4 OUT={} BIN={}", folder.path().string(), PROGRAMS));
   ASSERT_EQ(finished.exit_code, 0) << finished.output;
   EXPECT_THAT(finished.output, HasSubstr("simulated_tees     0  PLANNED"));
   EXPECT_THAT(finished.output, HasSubstr("picks per hour"));

@@ -28,8 +28,8 @@ Picture shaded(const Rendering& rendering, std::span<const Rgb> colors);
 /// A camera at `from_m` that looks at `at_m`, its image upright: T_base_camera.
 Eigen::Isometry3d looking_at(const Eigen::Vector3d& at_m, const Eigen::Vector3d& from_m);
 
-/// An animation that repeats for ever, of pictures of one size, in the 256 colours that they have most of.
-/// \param delay_s between two pictures
+/// An animation that repeats for ever, of pictures of one size, in the 256 colours that they have
+/// most of. \param delay_s between two pictures
 Result<void> write_gif(const std::filesystem::path& path, std::span<const Picture> pictures,
                        double delay_s);
 
