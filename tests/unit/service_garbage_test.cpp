@@ -86,7 +86,7 @@ TEST_F(GarbageTest, OneBitOfTheDepthImageIsWrong) {
 TEST_F(GarbageTest, AnEnvelopeThatIsTooLargeIsNotParsed) {
   const Error error = refusal({std::string(kMaxRequestEnvelope_bytes + 1, '\x0a'), "payload"});
   EXPECT_EQ(error.code, Code::kInvalidArgument);
-  EXPECT_THAT(error.message, HasSubstr("16384"));
+  EXPECT_THAT(error.message, HasSubstr("131072"));
 }
 
 TEST_F(GarbageTest, ADepthImageThatIsTooLarge) {
