@@ -179,10 +179,12 @@ TEST(PickVerdictTest, BrushingPastTheIntendedPartIsNone) {
   PickTrace trace;
   trace.has_closed = true;
   trace.lifted = trace.placed = {0};
-  trace.touches.push_back({"jaw", "part 0", 0, true, 1.0, 0});
+  trace.touches.push_back({"jaw", "part 0", 0, true, 4.9, 0});
   EXPECT_EQ(judge(trace, 0).verdict, PickVerdict::kSuccess);
   trace.touches.push_back({"jaw", "part 1", 1, false, 20.0, 0});
   EXPECT_EQ(judge(trace, 0).verdict, PickVerdict::kSuccess) << "after closing";
+  trace.touches.front().force_n = 5.1;
+  EXPECT_EQ(judge(trace, 0).verdict, PickVerdict::kCollision) << "no brush any more";
 }
 
 TEST(PhysicsCellTest, WhatLosesItsSupportFalls) {
