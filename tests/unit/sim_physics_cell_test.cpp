@@ -8,6 +8,8 @@ namespace {
 using testing::at;
 using testing::box_mesh;
 using testing::down_at;
+using ::testing::Contains;
+using ::testing::Field;
 using ::testing::HasSubstr;
 using testing::scripted_options;
 using testing::ScriptedCell;
@@ -165,6 +167,20 @@ TEST(PickVerdictTest, CollisionWithTheTable) {
   ScriptedCell scripted = two_boxes(kAside);
   scripted.pick(down_at(0.07, 0, -0.001), kWide_m);
   EXPECT_THAT(scripted.judged(0).why, HasSubstr("jaw touched table"));
+}
+
+TEST(PhysicsCellTest, AStopIsLaidToWhatStoppedTheArm) {
+  // A jaw pushes the box along while it runs into the table.
+  ScriptedCell scripted = two_boxes(kAside);
+  PhysicsCell& cell = *scripted.cell;
+  EXPECT_TRUE(scripted.move(down_at(0.07, 0, 0.1)));
+  cell.open(0.02);
+  EXPECT_TRUE(scripted.move(down_at(0.07, 0, 0.01)));
+  const auto stopped = scripted.move(down_at(0.025, 0, -0.003));
+  ASSERT_FALSE(stopped);
+  EXPECT_THAT(stopped.error().message, HasSubstr("jaw against table"));
+  cell.frame();
+  EXPECT_THAT(cell.last_trace().touches, Contains(Field(&Touch::what, "part 0")));
 }
 
 TEST(PickVerdictTest, CollisionWithTheIntendedPartWhereTheJawsComeDownOnIt) {
