@@ -7,8 +7,8 @@ namespace {
 
 using testing::at;
 using testing::box_mesh;
-using testing::down_at;
 using ::testing::Contains;
+using testing::down_at;
 using ::testing::Field;
 using ::testing::HasSubstr;
 using testing::scripted_options;
