@@ -22,9 +22,7 @@ MotionConfig read_motion(YamlMap map, const std::filesystem::path& input) {
   map.required("T_flange_grasp", parameters.T_flange_grasp);
   map.required("out_of_view_rad", config.out_of_view_rad);
   map.optional("allow_turned_gripper", parameters.allow_turned_gripper);
-  double held_radius_m = std::get<motion::Sphere>(parameters.held_part.shape).radius_m;
-  map.optional("held_radius_m", held_radius_m);
-  parameters.held_part.shape = motion::Sphere{held_radius_m};
+  map.optional("held_radius_m", parameters.held_radius_m);
   if (map.has("table_z_m")) map.required("table_z_m", parameters.table_z_m.emplace());
   if (map.has("place_bin")) parameters.place_bin = read_bin(map.map("place_bin"));
   map.optional("margin_m", parameters.margin_m);

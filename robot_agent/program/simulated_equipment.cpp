@@ -1,9 +1,7 @@
 #include "simulated_equipment.hpp"
 
-#include "graspd/motion/planned_arm.hpp"
 #include "graspd/parts/catalogue.hpp"
 #include "graspd/simulated/film.hpp"
-#include "graspd/simulated/sim_cell.hpp"
 
 namespace graspd::robot_agent {
 namespace {
@@ -11,8 +9,7 @@ namespace {
 /// What a simulated cell is made of; all of it lives as long as any of its ports.
 struct Simulated {
   std::vector<parts::Mesh> kinds;
-  std::optional<agent::SimCell> cell;
-  std::unique_ptr<agent::Arm> arm;
+  std::unique_ptr<agent::SimCell> cell;
   std::optional<agent::Film> film;
 };
 
@@ -38,27 +35,36 @@ Result<Kinds> kinds_of(const CellConfig& config) {
   return kinds;
 }
 
+}  // namespace
+
 sim_cell::PhysicsCellOptions layout(const CellConfig& config) {
   sim_cell::PhysicsCellOptions options;
   options.bin = *config.bin;
   options.T_base_camera = *config.T_base_camera;
   options.gripper = config.gripper;
-  options.seed = config.pile->seed;
+  // A cell's frames count on from its seed: no two piles' frames have the same noise.
+  options.seed = static_cast<std::uint64_t>(config.pile->seed) << 16;
   if (config.motion->parameters.place_bin) options.place = *config.motion->parameters.place_bin;
   return options;
 }
 
-}  // namespace
-
-Result<Equipment> make_simulated_equipment(const CellConfig& config) {
+Result<agent::SimArm> make_arm(const CellConfig& config) {
   auto model = motion::ArmModel::load(config.motion->urdf);
   if (!model) return tl::unexpected(model.error());
   const auto& angles_rad = config.motion->out_of_view_rad;
-  const agent::Joints out_of_view_rad =
-      Eigen::Map<const agent::Joints>(angles_rad.data(), std::ssize(angles_rad));
-  motion::MotionParameters parameters = config.motion->parameters;
-  parameters.gripper = config.gripper;
+  if (model->joints_n() != std::ssize(angles_rad)) {
+    return invalid("out_of_view_rad: {} angles; {} has {} joints", angles_rad.size(),
+                   config.motion->urdf.string(), model->joints_n());
+  }
+  agent::SimArm arm{*std::move(model), config.motion->parameters,
+                    Eigen::Map<const agent::Joints>(angles_rad.data(), std::ssize(angles_rad))};
+  arm.parameters.gripper = config.gripper;
+  return arm;
+}
 
+Result<Equipment> make_simulated_equipment(const CellConfig& config) {
+  const auto arm = make_arm(config);
+  if (!arm) return tl::unexpected(arm.error());
   auto kinds = kinds_of(config);
   if (!kinds) return tl::unexpected(kinds.error());
   const auto simulated = std::make_shared<Simulated>();
@@ -67,17 +73,9 @@ Result<Equipment> make_simulated_equipment(const CellConfig& config) {
   const std::vector<int> counts(simulated->kinds.size(), static_cast<int>(config.pile->count_n));
   const auto pile = piles.drop(counts, config.bin->inner_size_m, config.pile->seed);
   if (!pile) return tl::unexpected(pile.error());
-  if (model->joints_n() != out_of_view_rad.size()) {
-    return invalid("out_of_view_rad: {} angles; {} has {} joints", out_of_view_rad.size(),
-                   config.motion->urdf.string(), model->joints_n());
-  }
-  simulated->cell.emplace(simulated->kinds, *pile, layout(config),
-                          agent::SimArm{*model, parameters.T_flange_grasp, out_of_view_rad},
-                          agent::FloatingOptions{});
-  auto arm = motion::PlannedArm::create(simulated->cell->joint_driver(), *model, parameters,
-                                        out_of_view_rad);
-  if (!arm) return tl::unexpected(arm.error());
-  simulated->arm = *std::move(arm);
+  auto made = agent::SimCell::create(simulated->kinds, *pile, layout(config), *arm);
+  if (!made) return tl::unexpected(made.error());
+  simulated->cell = *std::move(made);
 
   agent::SimCell& cell = *simulated->cell;
   if (!config.pile->film.empty()) simulated->film.emplace(cell.physics(), kinds->colors);
@@ -85,7 +83,7 @@ Result<Equipment> make_simulated_equipment(const CellConfig& config) {
   Equipment equipment;
   equipment.clock = {simulated, &cell.clock()};
   equipment.camera = {simulated, &cell.camera()};
-  equipment.arm = {simulated, simulated->arm.get()};
+  equipment.arm = {simulated, &cell.arm()};
   equipment.gripper = {simulated, &cell.gripper()};
   equipment.timed = [&cell](agent::Planner& planner) -> agent::Planner& {
     return cell.timed(planner);

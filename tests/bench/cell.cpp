@@ -11,6 +11,7 @@
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/perception/planner.hpp"
 #include "graspd/server_planner/server_planner.hpp"
+#include "simulated_equipment.hpp"
 
 namespace graspd::bench {
 namespace {
@@ -20,7 +21,7 @@ constexpr std::chrono::seconds kBudget{60};
 struct Options {
   std::filesystem::path parts = "deploy/parts";
   std::string out = "build/bench/cell";
-  std::filesystem::path arm = "deploy/arms/probot_anno.urdf";
+  std::filesystem::path cell = "deploy/cells/simulated_tees.yaml";
   bool floating = false;
   std::string gif;
   std::string server;
@@ -51,11 +52,21 @@ Result<std::unique_ptr<agent::Planner>> make_planner(const Options& options,
   return agent::connect_planner({options.server}, "bench", kBudget);
 }
 
-Result<std::optional<motion::ArmModel>> load_arm(const Options& options) {
-  if (options.floating) return std::nullopt;
-  return motion::ArmModel::load(options.arm).map([](const motion::ArmModel& arm) {
-    return std::optional(arm);
-  });
+Result<robot_agent::CellConfig> read_cell(const Options& options) {
+  auto cell = robot_agent::read_cell_config(options.cell, ".");
+  if (cell && cell->arm != robot_agent::ArmKind::kSimulated) {
+    return invalid("--cell: {} is not simulated", options.cell.string());
+  }
+  return cell;
+}
+
+Result<Carrier> make_carrier(const robot_agent::CellConfig& cell, bool floating) {
+  const auto arm = robot_agent::make_arm(cell);
+  if (!arm) return tl::unexpected(arm.error());
+  if (!floating) return *arm;
+  return agent::FloatingOptions{.T_base_out_of_view =
+                                    arm->model.T_base_flange(arm->out_of_view_rad) *
+                                    arm->parameters.T_flange_grasp};
 }
 
 /// Those named, in the order of the list; all where none is named.
@@ -72,18 +83,20 @@ Result<std::vector<T>> chosen(std::vector<T> all, const std::vector<std::string>
 }
 
 Result<void> run_part(const parts::Part& part, const std::vector<Pipeline>& pipelines,
-                      const Options& options, const std::optional<motion::ArmModel>& arm,
+                      const Options& options, robot_agent::CellConfig cell, const Carrier& carrier,
                       agent::Planner& planner, CellLog& log) {
   const sim_cell::PileMaker piles({part.mesh});
   const int piles_n = options.piles_n > 0 ? options.piles_n
                       : part.id == "tee"  ? options.tee_piles_n
                                           : options.other_piles_n;
+  cell.pile->count_n = static_cast<std::uint32_t>(options.parts_n);
   for (int k = 0; k < piles_n; ++k) {
+    cell.pile->seed = static_cast<std::uint32_t>(options.seed + k);
     for (const Pipeline& pipeline : pipelines) {
       const BinKey key{pipeline.name, part.id, options.seed + k};
       if (log.has(key)) continue;
       int success_n = 0;
-      BinJob job{part, options.parts_n, pipeline, key.seed, arm, std::nullopt};
+      BinJob job{part, pipeline, cell, carrier, std::nullopt};
       if (!options.gif.empty()) job.gif = options.gif;
       const auto bin = empty_bin(job, piles, planner, [&](const PickRow& pick) {
         log.add(key, pick);
@@ -109,16 +122,20 @@ Result<void> run(const Options& options) {
   const auto parts =
       chosen(all, options.part_ids, "--part", [](const parts::Part* part) { return part->id; });
   const auto pipelines = chosen(all_pipelines(), options.pipelines, "--pipeline", &Pipeline::name);
-  const auto arm = load_arm(options);
+  const auto cell = read_cell(options);
+  if (!cell) return tl::unexpected(cell.error());
+  const auto carrier = make_carrier(*cell, options.floating);
   auto planner = make_planner(options, *catalogue);
   if (!parts) return tl::unexpected(parts.error());
   if (!pipelines) return tl::unexpected(pipelines.error());
-  if (!arm) return tl::unexpected(arm.error());
+  if (!carrier) return tl::unexpected(carrier.error());
   if (!planner) return tl::unexpected(planner.error());
 
   CellLog log(options.out, options.fresh);
   for (const parts::Part* part : *parts) {
-    if (auto ok = run_part(*part, *pipelines, options, *arm, **planner, log); !ok) return ok;
+    if (auto ok = run_part(*part, *pipelines, options, *cell, *carrier, **planner, log); !ok) {
+      return ok;
+    }
   }
   std::cout << cell_table(log.results()).to_markdown();
   std::ofstream file(options.out + ".json");
@@ -137,7 +154,8 @@ int main(int count, char** words) {
     app.add_option("--parts", options.parts, "part catalogue")->capture_default_str();
     app.add_option("--server", options.server,
                    "a grasp server's data endpoint; without it perception runs in this process");
-    app.add_option("--arm", options.arm, "URDF")->capture_default_str();
+    app.add_option("--cell", options.cell, "configuration of a simulated cell")
+        ->capture_default_str();
     app.add_flag("--floating", options.floating, "no arm: the gripper gets anywhere");
     app.add_option("--part", options.part_ids, "by id; all without it");
     app.add_option("--pipeline", options.pipelines, "by name; all without it");
@@ -146,7 +164,8 @@ int main(int count, char** words) {
     app.add_option("--seed", options.seed, "of the first pile; from 1000 on for tuning")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
-    app.add_option("--gif", options.gif, "an animation of each bin's first 40 s, by this name");
+    app.add_option("--gif", options.gif,
+                   "an animation of a bin's first minute; of several bins, the last one's");
     app.add_flag("--fresh", options.fresh, "forget what earlier runs have measured");
     app.add_option("--out", options.out, "stem of the files that are written")
         ->capture_default_str();

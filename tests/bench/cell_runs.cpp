@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
-#include "cell_robot.hpp"
 #include "graspd/agent/pick_cycle.hpp"
 #include "graspd/simulated/film.hpp"
+#include "simulated_equipment.hpp"
 
 namespace graspd::bench {
 namespace {
@@ -30,17 +30,18 @@ double seconds(std::chrono::nanoseconds duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-agent::Task task_of(const parts::Part& part, const Pipeline& pipeline,
-                    const sim_cell::PhysicsCellOptions& cell) {
+agent::Task task_of(const BinJob& job) {
   agent::Task task;
-  task.request.T_base_camera = cell.T_base_camera;
-  task.request.bin = cell.bin;
-  task.request.parts = {{part.id}};
-  task.request.gripper = cell.gripper;
-  task.request.options = pipeline.plan;
-  task.T_base_place = place_pose(cell);
-  task.reactions.all_in_collision = task.reactions.none_registered = task.reactions.none_reachable =
-      agent::Reaction::kStir;
+  task.request.T_base_camera = *job.cell.T_base_camera;
+  task.request.bin = job.cell.bin;
+  task.request.parts = {{job.part.id}};
+  task.request.gripper = job.cell.gripper;
+  task.request.options = job.pipeline.plan;
+  task.T_base_place = job.cell.T_base_place;
+  task.failed_spot_radius_m = job.cell.failed_spot_radius_m;
+  task.retry = job.cell.retry;
+  task.reactions = job.cell.reactions;
+  task.stir = job.cell.stir;
   return task;
 }
 
@@ -134,15 +135,15 @@ Result<BinRow> empty_bin(const BinJob& job, const sim_cell::PileMaker& piles,
                          agent::Planner& planner,
                          const std::function<void(const PickRow&)>& on_pick) {
   const auto wall_start = std::chrono::steady_clock::now();
-  const sim_cell::PhysicsCellOptions options = layout(job.seed);
-  const auto pile =
-      piles.drop({job.parts_n}, options.bin.inner_size_m, static_cast<std::uint64_t>(job.seed));
+  const auto pile = piles.drop({static_cast<int>(job.cell.pile->count_n)},
+                               job.cell.bin->inner_size_m, job.cell.pile->seed);
   if (!pile) return tl::unexpected(pile.error());
   const std::vector<parts::Mesh> kinds{job.part.mesh};
-  auto robot = make_robot(kinds, *pile, options, job.arm);
-  if (!robot) return tl::unexpected(robot.error());
-  agent::SimCell& cell = *robot->cell;
-  const agent::Ports ports{cell.camera(), cell.timed(planner), robot->arm(), cell.gripper(),
+  const auto made =
+      agent::SimCell::create(kinds, *pile, robot_agent::layout(job.cell), job.carrier);
+  if (!made) return tl::unexpected(made.error());
+  agent::SimCell& cell = **made;
+  const agent::Ports ports{cell.camera(), cell.timed(planner), cell.arm(), cell.gripper(),
                            cell.clock()};
   std::optional<agent::Film> film;
   if (job.gif) film.emplace(cell.physics(), std::vector{job.part.color_rgb});
@@ -158,7 +159,7 @@ Result<BinRow> empty_bin(const BinJob& job, const sim_cell::PileMaker& piles,
   BinRow bin;
   bin.parts_n = static_cast<int>(pile->parts.size());
   for (int resets_n = 0; resets_n <= kMaxResets; ++resets_n) {
-    agent::PickCycle cycle(ports, task_of(job.part, job.pipeline, options), judge);
+    agent::PickCycle cycle(ports, task_of(job), judge);
     while (!cycle.is_over()) {
       const agent::State before = cycle.state();
       cycle.step();

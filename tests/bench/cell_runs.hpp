@@ -4,13 +4,14 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "cell_config.hpp"
 #include "graspd/agent/ports.hpp"
-#include "graspd/motion/arm_model.hpp"
 #include "graspd/parts/catalogue.hpp"
-#include "graspd/sim_cell/pick_trace.hpp"
 #include "graspd/sim_cell/pile.hpp"
+#include "graspd/simulated/sim_cell.hpp"
 
 /// What `./run bench cell` does with one bin.
 namespace graspd::bench {
@@ -47,12 +48,14 @@ struct BinRow {
   std::string reason;  ///< why the agent ended
 };
 
+/// What moves the gripper.
+using Carrier = std::variant<agent::SimArm, agent::FloatingOptions>;
+
 struct BinJob {
   const parts::Part& part;
-  int parts_n = 0;
   Pipeline pipeline;
-  int seed = 0;
-  std::optional<motion::ArmModel> arm;       ///< none: the gripper floats
+  robot_agent::CellConfig cell;  ///< with the pile's number and seed
+  Carrier carrier;
   std::optional<std::filesystem::path> gif;  ///< where an animation goes, if one is wanted
 };
 

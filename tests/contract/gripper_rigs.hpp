@@ -54,15 +54,9 @@ class RecordingRig final : public GripperRig {
 
 class SimulatedGripperRig final : public GripperRig {
  public:
-  agent::Gripper& gripper() override { return cell_.gripper(); }
+  agent::Gripper& gripper() override { return cell_->gripper(); }
 
  private:
-  /// About a thin box that stands in the bin.
-  static sim_cell::PhysicsCellOptions gripper_down() {
-    sim_cell::PhysicsCellOptions options = scripted_options();
-    options.start.T_base_grasp = down_at(0, 0, 0.01);
-    return options;
-  }
   static sim_cell::Pile one_box() {
     sim_cell::Pile pile;
     pile.parts.push_back({0, at(0, 0, 0.02)});
@@ -70,7 +64,11 @@ class SimulatedGripperRig final : public GripperRig {
   }
 
   const std::vector<parts::Mesh> kinds_{box_mesh({0.01, 0.05, 0.04})};
-  agent::SimCell cell_{kinds_, one_box(), gripper_down(), std::nullopt, {}};
+  /// The jaws about the thin box, which stands in the bin.
+  const std::unique_ptr<agent::SimCell> cell_ =
+      agent::SimCell::create(kinds_, one_box(), scripted_options(),
+                             agent::FloatingOptions{.T_base_out_of_view = down_at(0, 0, 0.01)})
+          .value();
 };
 
 struct NamedGripperRig {

@@ -9,13 +9,14 @@
 #include "graspd/agent/joint_driver.hpp"
 #include "graspd/simple_message/driver.hpp"
 #include "graspd/simulated/sim_cell.hpp"
+#include "motion_support.hpp"
 #include "scripted_cell.hpp"
 #ifdef GRASPD_ROS
 #include "fake_ros_arm.hpp"
 #include "graspd/ros/driver.hpp"
 #endif
 
-/// The arms that `joint_driver_contract_test` runs on. Another one is a function that makes it, and
+/// The arms that `joint_driver_contract_test` runs on. Another one is a class that makes it, and
 /// its line in `kRigs`.
 namespace graspd::testing {
 
@@ -44,7 +45,7 @@ class SimpleMessageRig final : public JointDriverRig {
 /// The Anno upright, far from the bin.
 class SimulatedRig final : public JointDriverRig {
  public:
-  agent::JointDriver& driver() override { return cell_.joint_driver(); }
+  agent::JointDriver& driver() override { return cell_->joint_driver(); }
 
  private:
   static sim_cell::PhysicsCellOptions beside_the_bin() {
@@ -55,10 +56,10 @@ class SimulatedRig final : public JointDriverRig {
   }
 
   const std::vector<parts::Mesh> kinds_;
-  agent::SimArm arm_{
-      motion::ArmModel::load(GRASPD_SOURCE_DIR "/deploy/arms/probot_anno.urdf").value(),
-      Eigen::Isometry3d::Identity(), agent::Joints::Zero(6)};
-  agent::SimCell cell_{kinds_, {}, beside_the_bin(), arm_, {}};
+  const std::unique_ptr<agent::SimCell> cell_ =
+      agent::SimCell::create(kinds_, {}, beside_the_bin(),
+                             agent::SimArm{anno(), {}, agent::Joints::Zero(6)})
+          .value();
 };
 
 #ifdef GRASPD_ROS

@@ -171,7 +171,7 @@ TEST_F(World, ReadingsThatAreNoNumbersDoNotCount) {
 }
 
 TEST_F(World, AHeldPartCountsOnlyWhileItIsHeld) {
-  cell.parameters.held_part.shape = Sphere{0.05};
+  cell.parameters.held_radius_m = 0.05;
   const agent::Joints q_rad = at(MotionCell::down(0.31 + 0.07, 0, 0.09, 1.5708));
   EXPECT_EQ(touch(q_rad, {0, false, false}), std::nullopt);
   EXPECT_THAT(touch(q_rad, {0, true, false}),

@@ -7,7 +7,9 @@ namespace {
 
 using testing::at;
 using testing::box_mesh;
+using ::testing::Contains;
 using testing::down_at;
+using ::testing::Field;
 using ::testing::HasSubstr;
 using testing::scripted_options;
 using testing::ScriptedCell;
@@ -167,6 +169,20 @@ TEST(PickVerdictTest, CollisionWithTheTable) {
   EXPECT_THAT(scripted.judged(0).why, HasSubstr("jaw touched table"));
 }
 
+TEST(PhysicsCellTest, AStopIsLaidToWhatStoppedTheArm) {
+  // A jaw pushes the box along while it runs into the table.
+  ScriptedCell scripted = two_boxes(kAside);
+  PhysicsCell& cell = *scripted.cell;
+  EXPECT_TRUE(scripted.move(down_at(0.07, 0, 0.1)));
+  cell.open(0.02);
+  EXPECT_TRUE(scripted.move(down_at(0.07, 0, 0.01)));
+  const auto stopped = scripted.move(down_at(0.025, 0, -0.003));
+  ASSERT_FALSE(stopped);
+  EXPECT_THAT(stopped.error().message, HasSubstr("jaw against table"));
+  cell.frame();
+  EXPECT_THAT(cell.last_trace().touches, Contains(Field(&Touch::what, "part 0")));
+}
+
 TEST(PickVerdictTest, CollisionWithTheIntendedPartWhereTheJawsComeDownOnIt) {
   ScriptedCell scripted = two_boxes(kAside);
   scripted.pick(down_at(0, 0, 0.01), 0.02);
@@ -179,10 +195,12 @@ TEST(PickVerdictTest, BrushingPastTheIntendedPartIsNone) {
   PickTrace trace;
   trace.has_closed = true;
   trace.lifted = trace.placed = {0};
-  trace.touches.push_back({"jaw", "part 0", 0, true, 1.0, 0});
+  trace.touches.push_back({"jaw", "part 0", 0, true, 4.9, 0});
   EXPECT_EQ(judge(trace, 0).verdict, PickVerdict::kSuccess);
   trace.touches.push_back({"jaw", "part 1", 1, false, 20.0, 0});
   EXPECT_EQ(judge(trace, 0).verdict, PickVerdict::kSuccess) << "after closing";
+  trace.touches.front().force_n = 5.1;
+  EXPECT_EQ(judge(trace, 0).verdict, PickVerdict::kCollision) << "no brush any more";
 }
 
 TEST(PhysicsCellTest, WhatLosesItsSupportFalls) {

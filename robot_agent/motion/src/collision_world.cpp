@@ -110,10 +110,7 @@ struct CollisionWorld::Impl {
             side);
       }
     }
-    const HeldPart& held = parameters.held_part;
-    add("the held part", Role::kPart, flange_link,
-        std::visit([](const auto& shape) -> Shape { return shape; }, held.shape),
-        T_link_grasp * held.T_grasp_part);
+    add("the held part", Role::kPart, flange_link, Sphere{parameters.held_radius_m}, T_link_grasp);
   }
 
   /// Of the arm's own bodies, those that could meet: not what already overlaps where the arm stands

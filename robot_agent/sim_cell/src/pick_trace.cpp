@@ -7,8 +7,8 @@
 namespace graspd::sim_cell {
 namespace {
 
-/// A jaw that slides down along its part touches it with less: the weight that a small arm carries.
-constexpr double kBrush_n = 10;
+/// A jaw that slides down along its part touches it with less.
+constexpr double kBrush_n = 5;
 
 bool contains(const std::vector<std::size_t>& parts, std::size_t part) {
   return std::ranges::find(parts, part) != parts.end();

@@ -7,6 +7,9 @@ namespace {
 
 /// A part that rises by more hangs in the gripper.
 constexpr double kLifted_m = 0.05;
+/// An arm stops at more: against what gives way, and into what does not.
+constexpr double kStall_n = 50;
+constexpr double kStall_m = 0.002;
 
 /// One body of the robot against one other: the sum over their contacts.
 struct Push {
@@ -39,6 +42,9 @@ Resistance TraceRecorder::record(std::span<const Contact> contacts, double step_
                                  bool is_gripping) {
   trace_.duration_s += step_s;
   Resistance worst;
+  const auto resists = [&worst](const BodyLabel& by, const BodyLabel& what, double share) {
+    if (share > worst.share) worst = {share, by.name, what.name};
+  };
   std::vector<Push> pushes;
   for (const Contact& contact : contacts) {
     const BodyLabel* by = label_of(contact.a);
@@ -49,20 +55,13 @@ Resistance TraceRecorder::record(std::span<const Contact> contacts, double step_
     if (contact.distance_m >= 0 && contact.impulse_n_s <= 0) continue;
     add(*by, *what, contact.impulse_n_s / step_s, pushes);
     const bool gives_way = what->kind == BodyLabel::Kind::kPart;
-    if (!gives_way && -contact.distance_m > worst.overlap_m) {
-      worst.overlap_m = -contact.distance_m;
-      worst.by = by->name;
-      worst.what = what->name;
-    }
+    if (!gives_way) resists(*by, *what, -contact.distance_m / kStall_m);
   }
   for (const auto& [by, what, force_n] : pushes) {
     Touch& known = touch(*by, *what);
     known.force_n = std::max(known.force_n, force_n);
     const bool is_soft = is_gripping && by->name == "jaw";
-    if (is_soft || force_n <= worst.force_n) continue;
-    worst.force_n = force_n;
-    worst.by = by->name;
-    worst.what = what->name;
+    if (!is_soft) resists(*by, *what, force_n / kStall_n);
   }
   if (is_gripping) note_lifted();
   return worst;

@@ -11,12 +11,10 @@ namespace graspd::sim_cell {
 
 /// The hardest that anything withstood a body that does not give way.
 struct Resistance {
-  double force_n = 0;
-  double overlap_m = 0;  ///< of two bodies of which neither gives way
+  double share = 0;  ///< of what stops an arm
   std::string by, what;
 
-  /// Whether an arm that meets it stops.
-  bool is_stalling() const { return force_n > 50 || overlap_m > 0.002; }
+  bool is_stalling() const { return share > 1; }
 };
 
 /// Writes down what happens to robot and parts between two frames.

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "floating_arm.hpp"
+#include "graspd/motion/planned_arm.hpp"
 #include "sim_clock.hpp"
 #include "sim_joint_driver.hpp"
 
@@ -45,11 +46,17 @@ class SimGripper final : public Gripper {
   sim_cell::PhysicsCell& cell_;
 };
 
-sim_cell::PhysicsCellOptions with(const std::optional<SimArm>& arm,
+/// Links and start of the robot.
+sim_cell::PhysicsCellOptions with(const SimArm& arm, sim_cell::PhysicsCellOptions options) {
+  options.links.assign(arm.model.links().begin(), arm.model.links().end());
+  options.start = robot_pose(arm, arm.out_of_view_rad);
+  return options;
+}
+
+sim_cell::PhysicsCellOptions with(const FloatingOptions& floating,
                                   sim_cell::PhysicsCellOptions options) {
-  if (!arm) return options;
-  options.links.assign(arm->model.links().begin(), arm->model.links().end());
-  options.start = robot_pose(*arm, arm->start_q_rad);
+  options.links.clear();
+  options.start = {floating.T_base_out_of_view, {}};
   return options;
 }
 
@@ -64,35 +71,46 @@ struct SimCell::Impl {
   SimClock clock{cell};
   SimCamera camera{cell, clock};
   SimGripper gripper{cell};
-  std::optional<SimJointDriver> joint_driver;
-  std::optional<FloatingArm> floating_arm;
+  std::unique_ptr<SimJointDriver> joint_driver;  ///< none: the gripper floats
+  std::unique_ptr<Arm> arm;
   std::deque<TimedPlanner> planners;
+
+  Result<void> carry(const SimArm& by) {
+    joint_driver = std::make_unique<SimJointDriver>(cell, by);
+    auto planned =
+        motion::PlannedArm::create(*joint_driver, by.model, by.parameters, by.out_of_view_rad);
+    if (!planned) return tl::unexpected(planned.error());
+    arm = *std::move(planned);
+    return {};
+  }
+  Result<void> carry(const FloatingOptions& by) {
+    arm = std::make_unique<FloatingArm>(cell, by);
+    return {};
+  }
 };
 
-SimCell::SimCell(const std::vector<parts::Mesh>& kinds, const sim_cell::Pile& pile,
-                 sim_cell::PhysicsCellOptions options, std::optional<SimArm> arm,
-                 const FloatingOptions& floating)
-    : impl_(std::make_unique<Impl>(kinds, pile, with(arm, std::move(options)))) {
-  if (arm) {
-    impl_->joint_driver.emplace(impl_->cell, *std::move(arm));
-  } else {
-    impl_->floating_arm.emplace(impl_->cell, floating);
-  }
+Result<std::unique_ptr<SimCell>> SimCell::create(
+    const std::vector<parts::Mesh>& kinds, const sim_cell::Pile& pile,
+    const sim_cell::PhysicsCellOptions& options,
+    const std::variant<SimArm, FloatingOptions>& carrier) {
+  auto impl = std::make_unique<Impl>(
+      kinds, pile, std::visit([&](const auto& by) { return with(by, options); }, carrier));
+  const auto ok = std::visit([&](const auto& by) { return impl->carry(by); }, carrier);
+  if (!ok) return tl::unexpected(ok.error());
+  return std::unique_ptr<SimCell>(new SimCell(std::move(impl)));
 }
+
+SimCell::SimCell(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 SimCell::~SimCell() = default;
 
 Camera& SimCell::camera() { return impl_->camera; }
+Arm& SimCell::arm() { return *impl_->arm; }
 Gripper& SimCell::gripper() { return impl_->gripper; }
 Clock& SimCell::clock() { return impl_->clock; }
 
 JointDriver& SimCell::joint_driver() {
   if (!impl_->joint_driver) throw std::logic_error("simulated cell: no arm carries its gripper");
   return *impl_->joint_driver;
-}
-
-Arm& SimCell::floating_arm() {
-  if (!impl_->floating_arm) throw std::logic_error("simulated cell: an arm carries its gripper");
-  return *impl_->floating_arm;
 }
 
 Planner& SimCell::timed(Planner& planner) {

@@ -9,7 +9,7 @@ namespace graspd::agent {
 class SimJointDriver final : public JointDriver {
  public:
   SimJointDriver(sim_cell::PhysicsCell& cell, SimArm arm)
-      : cell_(cell), arm_(std::move(arm)), q_rad_(arm_.start_q_rad) {}
+      : cell_(cell), arm_(std::move(arm)), q_rad_(arm_.out_of_view_rad) {}
 
   Result<Joints> joints() override { return q_rad_; }
   Result<void> follow(const JointTrajectory& trajectory) override;

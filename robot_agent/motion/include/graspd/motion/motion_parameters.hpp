@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <optional>
-#include <variant>
 
 #include "graspd/motion/arm_model.hpp"
 #include "graspd/motion/inverse_kinematics.hpp"
@@ -10,19 +9,14 @@
 
 namespace graspd::motion {
 
-/// What hangs in the gripper after closing, as far as one box or ball tells it.
-struct HeldPart {
-  std::variant<Box, Sphere> shape = Sphere{0.03};
-  Eigen::Isometry3d T_grasp_part = Eigen::Isometry3d::Identity();  ///< of the shape's centre
-};
-
 /// How an arm is mounted, what always stands around it, and how it may move.
 struct MotionParameters {
   IkKind ik = IkKind::kAnno;
   /// The gripper on the flange. Mind that the Anno's flange has its z axis into the arm.
   Eigen::Isometry3d T_flange_grasp = Eigen::Isometry3d::Identity();
   Gripper gripper;
-  HeldPart held_part;
+  /// Of a ball between the finger tips that stands for whatever part hangs there.
+  double held_radius_m = 0.03;
   /// Whether the gripper may as well be turned by 180° about its approach.
   bool allow_turned_gripper = true;
   /// The table's top in base. Without it: the underside of the bin's floor, where there is a bin.

@@ -35,7 +35,7 @@ struct PickTrace {
 
 enum class PickVerdict {
   kSuccess,    ///< the intended part alone was lifted out of the pile and put into the place box
-  kCollision,  ///< the robot touched bin or table, or another part before closing
+  kCollision,  ///< the robot touched bin, table or place box, or another part before closing
   kMissed,     ///< nothing was lifted
   kWrongPart,  ///< what was lifted is not the intended part
   kDropped,    ///< the intended part was lifted, and is not in the place box

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <memory>
-#include <optional>
+#include <variant>
 
 #include "graspd/agent/joint_driver.hpp"
 #include "graspd/agent/ports.hpp"
-#include "graspd/motion/arm_model.hpp"
+#include "graspd/motion/motion_parameters.hpp"
 #include "graspd/sim_cell/physics_cell.hpp"
 
 namespace graspd::agent {
@@ -13,8 +13,8 @@ namespace graspd::agent {
 /// The arm that moves a simulated cell's gripper.
 struct SimArm {
   motion::ArmModel model;
-  Eigen::Isometry3d T_flange_grasp = Eigen::Isometry3d::Identity();
-  Joints start_q_rad;
+  motion::MotionParameters parameters;
+  Joints out_of_view_rad;  ///< where it also stands at first
 };
 
 /// How a gripper without an arm moves.
@@ -22,7 +22,7 @@ struct FloatingOptions {
   double straight_speed_m_s = 0.25;
   double free_speed_m_s = 0.5;
   double safe_height_m = 0.25;  ///< of the grasp frame in base: free motions cross the cell there
-  /// In base, where the camera does not look.
+  /// In base, where the camera does not look, and where it is at first.
   Eigen::Isometry3d T_base_out_of_view = Eigen::Isometry3d::Identity();
 };
 
@@ -31,23 +31,24 @@ struct FloatingOptions {
 /// thread. The ports live as long as the cell.
 class SimCell {
  public:
-  /// The meshes must outlive the cell. \param arm none: the gripper floats, by `floating`; the
-  /// options' links and start are then left alone, else they are the arm's.
-  SimCell(const std::vector<parts::Mesh>& kinds, const sim_cell::Pile& pile,
-          sim_cell::PhysicsCellOptions options, std::optional<SimArm> arm,
-          const FloatingOptions& floating);
+  /// The meshes must outlive the cell. The options' links and start are the carrier's.
+  /// \returns INVALID_ARGUMENT with what in the arm's parameters doesn't fit it.
+  static Result<std::unique_ptr<SimCell>> create(
+      const std::vector<parts::Mesh>& kinds, const sim_cell::Pile& pile,
+      const sim_cell::PhysicsCellOptions& options,
+      const std::variant<SimArm, FloatingOptions>& carrier);
   ~SimCell();
   SimCell(const SimCell&) = delete;
   SimCell& operator=(const SimCell&) = delete;
 
   /// Never ends.
   Camera& camera();
+  /// Plans its motions; a floating gripper gets anywhere.
+  Arm& arm();
   Gripper& gripper();
   Clock& clock();
-  /// What the arm is driven by; throws where there is none.
+  /// What the arm is driven by; throws where the gripper floats.
   JointDriver& joint_driver();
-  /// The gripper without an arm, which gets anywhere; throws where there is an arm.
-  Arm& floating_arm();
   /// The same planner, whose time passes in the cell too. It must outlive the cell.
   Planner& timed(Planner& planner);
 
@@ -56,6 +57,7 @@ class SimCell {
 
  private:
   struct Impl;
+  explicit SimCell(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 
