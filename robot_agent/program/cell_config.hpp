@@ -37,7 +37,7 @@ struct CellConfig {
   Gripper gripper;
   PlanOptions options;
   Eigen::Isometry3d T_base_place = Eigen::Isometry3d::Identity();
-  double failed_spot_radius_m = 0.02;
+  double failed_spot_radius_m = agent::Task().failed_spot_radius_m;
   agent::RetryPolicy retry;
   agent::Reactions reactions;
   agent::StirOptions stir;

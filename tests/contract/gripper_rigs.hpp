@@ -2,12 +2,12 @@
 
 #include <functional>
 #include <memory>
-#include <ostream>
-#include <string>
 
+#include "fake_clock.hpp"
 #include "graspd/output_gripper/output_gripper.hpp"
 #include "graspd/record/recording_arm.hpp"
 #include "graspd/simulated/sim_cell.hpp"
+#include "named.hpp"
 #include "scripted_cell.hpp"
 #include "temporary_folder.hpp"
 
@@ -22,20 +22,12 @@ class GripperRig {
   virtual agent::Gripper& gripper() = 0;
 };
 
-class NoSleep final : public agent::Clock {
- public:
-  std::chrono::nanoseconds now() override { return {}; }
-  void sleep_for(std::chrono::nanoseconds duration) override { slept += duration; }
-
-  std::chrono::nanoseconds slept{};
-};
-
 class OutputRig final : public GripperRig {
  public:
   agent::Gripper& gripper() override { return *gripper_; }
 
  private:
-  NoSleep clock_;
+  agent::fakes::FakeClock clock_;
   std::unique_ptr<agent::Gripper> gripper_ =
       output_gripper::make_gripper({.open = {"true"}, .close = {"true"}, .sensor = {"true"}},
                                    clock_)
@@ -71,21 +63,12 @@ class SimulatedGripperRig final : public GripperRig {
           .value();
 };
 
-struct NamedGripperRig {
-  std::string name;
-  std::function<std::unique_ptr<GripperRig>()> make;
-};
-inline void PrintTo(const NamedGripperRig& rig, std::ostream* out) { *out << rig.name; }
-
-template <class Rig>
-NamedGripperRig gripper_rig(const char* name) {
-  return {name, [] { return std::make_unique<Rig>(); }};
-}
+using NamedGripperRig = Named<std::function<std::unique_ptr<GripperRig>()>>;
 
 inline const NamedGripperRig kGripperRigs[] = {
-    gripper_rig<OutputRig>("output"),
-    gripper_rig<RecordingRig>("record"),
-    gripper_rig<SimulatedGripperRig>("simulated"),
+    {"output", make_rig<OutputRig>},
+    {"record", make_rig<RecordingRig>},
+    {"simulated", make_rig<SimulatedGripperRig>},
 };
 
 }  // namespace graspd::testing

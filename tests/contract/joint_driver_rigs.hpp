@@ -2,14 +2,13 @@
 
 #include <functional>
 #include <memory>
-#include <ostream>
-#include <string>
 
 #include "fake_controller.hpp"
 #include "graspd/agent/joint_driver.hpp"
 #include "graspd/simple_message/driver.hpp"
 #include "graspd/simulated/sim_cell.hpp"
 #include "motion_support.hpp"
+#include "named.hpp"
 #include "scripted_cell.hpp"
 #ifdef GRASPD_ROS
 #include "fake_ros_arm.hpp"
@@ -75,22 +74,13 @@ class RosRig final : public JointDriverRig {
 };
 #endif
 
-struct NamedRig {
-  std::string name;
-  std::function<std::unique_ptr<JointDriverRig>()> make;
-};
-inline void PrintTo(const NamedRig& rig, std::ostream* out) { *out << rig.name; }
-
-template <class Rig>
-NamedRig rig(const char* name) {
-  return {name, [] { return std::make_unique<Rig>(); }};
-}
+using NamedRig = Named<std::function<std::unique_ptr<JointDriverRig>()>>;
 
 inline const NamedRig kRigs[] = {
-    rig<SimpleMessageRig>("simple_message"),
-    rig<SimulatedRig>("simulated"),
+    {"simple_message", make_rig<SimpleMessageRig>},
+    {"simulated", make_rig<SimulatedRig>},
 #ifdef GRASPD_ROS
-    rig<RosRig>("ros"),
+    {"ros", make_rig<RosRig>},
 #endif
 };
 

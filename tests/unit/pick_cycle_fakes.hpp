@@ -4,27 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "fake_clock.hpp"
 #include "graspd/agent/pick_cycle.hpp"
 
 /// A scripted cell: every port does what the script says and writes down what it was told.
 namespace graspd::agent::fakes {
-
-class FakeClock final : public Clock {
- public:
-  std::chrono::nanoseconds now() override { return now_; }
-  void sleep_for(std::chrono::nanoseconds duration) override {
-    if (breaks) throw std::runtime_error("the clock");
-    sleeps.push_back(std::chrono::duration_cast<std::chrono::milliseconds>(duration));
-    now_ += duration;
-  }
-  void advance(std::chrono::nanoseconds duration) { now_ += duration; }
-
-  std::vector<std::chrono::milliseconds> sleeps;
-  bool breaks = false;
-
- private:
-  std::chrono::nanoseconds now_{1};
-};
 
 inline DepthFrame frame_of(std::uint16_t depth) {
   DepthFrame frame;

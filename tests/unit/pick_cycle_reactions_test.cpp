@@ -1,5 +1,3 @@
-#include <numbers>
-
 #include "pick_cycle_fixture.hpp"
 
 /// What the cell does where there is nothing to pick.

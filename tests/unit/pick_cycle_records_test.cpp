@@ -60,6 +60,15 @@ TEST_F(RecordsTest, TheArmWritesDownTheFramesAndThenWhatItIsTold) {
   EXPECT_EQ(lines.at(2).at("opening_width_m"), 0.044);
 }
 
+TEST_F(RecordsTest, AfterTheClosedGripperStirredAPickStillBeginsByOpeningIt) {
+  auto arm = RecordingArm::create(arm_path(), {}).value();
+  ASSERT_TRUE(arm.close());
+  ASSERT_TRUE(arm.move({.step = agent::Step::kStirUp}));
+  ASSERT_TRUE(arm.open(0.04));
+  EXPECT_EQ(read_lines(arm_path()).back().at("step"), "open");
+  EXPECT_EQ(read_lines(arm_path()).back().at("pick"), 1);
+}
+
 TEST_F(RecordsTest, AnArmWithoutAFileIsNamed) {
   std::ofstream(arm_path().parent_path()) << "a file where the folder should be";
   const auto arm = RecordingArm::create(arm_path(), {});

@@ -63,8 +63,7 @@ Event PickCycle::answered(bool last_plan_was_sent) {
     record_->outcome = Outcome::kNoneReachable;
     record_->message = fmt::format(
         "the arm can take none of {} grasps, the first because {}; check T_base_camera and where "
-        "the "
-        "bin stands",
+        "the bin stands",
         answer_.grasps.size(), record_->passed_over.front().reason);
   }
   return react();

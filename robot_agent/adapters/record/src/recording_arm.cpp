@@ -24,6 +24,7 @@ Result<RecordingArm> RecordingArm::create(const std::filesystem::path& path,
 }
 
 Result<void> RecordingArm::move(const agent::Motion& motion) {
+  last_step_ = motion.step;
   const Json line = {{"pick", pick_n_},
                      {"step", name_of(motion.step)},
                      {"path", name_of(motion.path)},
@@ -42,7 +43,9 @@ void RecordingArm::stop() {
 }
 
 Result<void> RecordingArm::open(double opening_width_m) {
-  const agent::Step step = closed_ ? agent::Step::kRelease : agent::Step::kOpen;
+  // Closed jaws tell nothing: they also stir.
+  const bool is_at_place = last_step_ == agent::Step::kPlace;
+  const agent::Step step = is_at_place ? agent::Step::kRelease : agent::Step::kOpen;
   closed_ = false;
   if (step == agent::Step::kOpen) ++pick_n_;
   const Json line = {

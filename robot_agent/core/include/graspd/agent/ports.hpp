@@ -23,7 +23,8 @@ class Camera {
  public:
   virtual ~Camera() = default;
   /// The newest frame of a camera, the next one of a recording; nothing when there will be no more.
-  /// A camera stamps its frames, so that one from before the arm's last motion is not planned on.
+  /// A camera that may give a frame from before the call stamps it: what is from before the arm's
+  /// last motion is not planned on.
   virtual Result<std::optional<DepthFrame>> next() = 0;
 };
 
