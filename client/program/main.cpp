@@ -6,9 +6,9 @@ int main(int count, char** words) {
     app.description("Asks grasp servers for grasps.");
     app.require_subcommand(1);
     app.footer(
-        "Exit codes: 0 planned (health: all ready), 1 a defect of the server, 2 wrong command "
-        "line, file or request,\n3 try again (no server there, busy, out of time), 4 answered, but "
-        "nothing to grasp.\n\n"
+        "Exit codes: 0 planned (health: all ready; stats: all there), 1 a defect of the server, 2 "
+        "wrong command line,\nfile or request, 3 try again (no server there, busy, out of time), 4 "
+        "answered, but nothing to grasp.\n\n"
         "Example: grasp plan --depth frame.png --camera camera.yaml --part tee --overlay plan.png");
     graspd::program::add_plan_command(app);
     graspd::program::add_health_command(app);

@@ -1,22 +1,21 @@
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <memory>
 
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "graspd/client/client.hpp"
-#include "graspd/codec/codec.hpp"
 #include "graspd/formats/cell.hpp"
 #include "graspd/formats/depth_image.hpp"
 #include "graspd/overlay/overlay.hpp"
 #include "plan_report.hpp"
+#include "server_arguments.hpp"
 
 namespace graspd::program {
 namespace {
 
 struct PlanArguments {
-  std::vector<std::string> servers{"tcp://127.0.0.1:5555"};
+  ServerArguments servers;
   std::string depth;
   std::string camera;
   std::string cell;
@@ -87,7 +86,7 @@ Result<int> plan(const PlanArguments& arguments) {
   client::ClientOptions options;
   options.cell = arguments.cell_name;
   options.encoding = parse_enum<DepthEncoding>(arguments.encoding).value();
-  client::Client client(arguments.servers, options);
+  client::Client client(arguments.servers.servers, options);
 
   const auto start = std::chrono::steady_clock::now();
   const auto answer = client.plan(question->frame, question->request,
@@ -95,11 +94,7 @@ Result<int> plan(const PlanArguments& arguments) {
   const auto round_trip = std::chrono::steady_clock::now() - start;
   if (!answer) return tl::unexpected(answer.error());
 
-  if (arguments.json) {
-    fmt::print("{}\n", codec::to_json(*answer, true));
-  } else {
-    fmt::print("{}", plan_report(*answer, round_trip));
-  }
+  print_plan(*answer, arguments.json, round_trip);
   if (!arguments.overlay.empty()) {
     const overlay::RgbImage picture = overlay::draw(question->frame, question->request, *answer);
     if (auto ok = overlay::write_png(arguments.overlay, picture); !ok) {
@@ -120,9 +115,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& flag, std::string&
 }
 
 void add_options(CLI::App& command, PlanArguments& arguments) {
-  command.add_option("--server", arguments.servers, "endpoint; say it once per server")
-      ->type_name("tcp://HOST:PORT")
-      ->capture_default_str();
+  add_server_options(command, arguments.servers);
   command.add_option("--depth", arguments.depth, "depth image, 16 bits, one channel")
       ->type_name("PNG")
       ->required();
@@ -165,14 +158,7 @@ void add_plan_command(CLI::App& app) {
       "Example: grasp plan --server tcp://127.0.0.1:5555 --depth frame.png --camera camera.yaml "
       "\\\n"
       "                    --cell cell.yaml --part tee --overlay plan.png");
-  command->callback([arguments] {
-    const Result<int> code = plan(*arguments);
-    if (!code) {
-      fmt::print(stderr, "grasp: {}: {}\n", name_of(code.error().code), code.error().message);
-      throw CLI::RuntimeError(exit_code(code.error().code));
-    }
-    if (*code != 0) throw CLI::RuntimeError(*code);
-  });
+  command->callback([arguments] { finish(plan(*arguments)); });
 }
 
 }  // namespace graspd::program

@@ -1,6 +1,3 @@
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -11,12 +8,13 @@
 #include "graspd/client/client.hpp"
 #include "graspd/codec/codec.hpp"
 #include "plan_report.hpp"
+#include "server_arguments.hpp"
 
 namespace graspd::program {
 namespace {
 
 struct ReplayArguments {
-  std::vector<std::string> servers{"tcp://127.0.0.1:5555"};
+  ServerArguments servers;
   std::string request;
   int budget_ms = 10'000;
   bool json = false;
@@ -45,16 +43,12 @@ Result<int> replay(const ReplayArguments& arguments) {
 
   client::ClientOptions options;
   options.cell = request->cell;
-  client::Client client(arguments.servers, options);
+  client::Client client(arguments.servers.servers, options);
   const auto start = std::chrono::steady_clock::now();
   const auto answer =
       client.plan(*frame, call->plan, std::chrono::milliseconds(arguments.budget_ms));
   if (!answer) return tl::unexpected(answer.error());
-  if (arguments.json) {
-    fmt::print("{}\n", codec::to_json(*answer, true));
-  } else {
-    fmt::print("{}", plan_report(*answer, std::chrono::steady_clock::now() - start));
-  }
+  print_plan(*answer, arguments.json, std::chrono::steady_clock::now() - start);
   return exit_code(answer->outcome);
 }
 
@@ -67,9 +61,7 @@ void add_replay_command(CLI::App& app) {
   command->add_option("request", arguments->request, "ID.request; ID.depth is beside it")
       ->type_name("FILE")
       ->required();
-  command->add_option("--server", arguments->servers, "endpoint; say it once per server")
-      ->type_name("tcp://HOST:PORT")
-      ->capture_default_str();
+  add_server_options(*command, arguments->servers);
   command->add_option("--budget-ms", arguments->budget_ms, "how long to wait for the answer")
       ->check(CLI::Range(1, 3'600'000))
       ->capture_default_str();
@@ -77,14 +69,7 @@ void add_replay_command(CLI::App& app) {
   command->footer(
       "A server records requests that failed where its configuration says record_failed.\n\n"
       "Example: grasp replay failed/0123456789abcdef0123456789abcdef.request");
-  command->callback([arguments] {
-    const Result<int> code = replay(*arguments);
-    if (!code) {
-      fmt::print(stderr, "grasp: {}: {}\n", name_of(code.error().code), code.error().message);
-      throw CLI::RuntimeError(exit_code(code.error().code));
-    }
-    if (*code != 0) throw CLI::RuntimeError(*code);
-  });
+  command->callback([arguments] { finish(replay(*arguments)); });
 }
 
 }  // namespace graspd::program

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "exit_codes.hpp"
+#include "server_arguments.hpp"
 #include "stats_report.hpp"
 
 namespace graspd::program {
@@ -18,14 +19,14 @@ using std::chrono::milliseconds;
 constexpr const char* kClearTerminal = "\033[H\033[2J";
 
 struct StatsArguments {
-  std::vector<std::string> servers{"tcp://127.0.0.1:5555"};
+  ServerArguments servers;
   int interval_ms = 1000;
   int budget_ms = 2000;
   bool once = false;
 };
 
 int show(const StatsArguments& arguments) {
-  client::Client client(arguments.servers);
+  client::Client client(arguments.servers.servers);
   const milliseconds budget(arguments.budget_ms);
   if (arguments.once) {
     const auto servers = client.health(budget);
@@ -50,9 +51,7 @@ int show(const StatsArguments& arguments) {
 void add_stats_command(CLI::App& app) {
   const auto arguments = std::make_shared<StatsArguments>();
   CLI::App* command = app.add_subcommand("stats", "watch what servers do, until Ctrl-C");
-  command->add_option("--server", arguments->servers, "endpoint; say it once per server")
-      ->type_name("tcp://HOST:PORT")
-      ->capture_default_str();
+  add_server_options(*command, arguments->servers);
   command->add_option("--interval-ms", arguments->interval_ms, "between two looks")
       ->check(CLI::Range(100, 3'600'000))
       ->capture_default_str();

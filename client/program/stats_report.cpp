@@ -13,6 +13,9 @@ namespace {
 using client::ServerHealth;
 
 constexpr double kMiB = 1024.0 * 1024.0;
+const std::vector<std::string> kColumns{"server",  "state",        "busy", "queued",
+                                        "plans/s", "ok",           "shed", "refused",
+                                        "broken",  "workers lost", "MiB",  "up s"};
 
 /// What the same server said before; all zero where it has not, or was another process.
 HealthAnswer earlier(const std::vector<ServerHealth>& before, const ServerHealth& now) {
@@ -88,12 +91,11 @@ std::string stages_table(const std::vector<StageTotal>& stages) {
 
 std::string stats_report(const std::vector<ServerHealth>& before,
                          const std::vector<ServerHealth>& now) {
-  Table servers({"server", "state", "busy", "queued", "plans/s", "ok", "shed", "refused", "broken",
-                 "workers lost", "MiB", "up s"});
+  Table servers(kColumns);
   std::vector<StageTotal> stages;
   for (const ServerHealth& server : now) {
     if (!server.health) {
-      std::vector<std::string> row(12, "–");
+      std::vector<std::string> row(kColumns.size(), "–");
       row[0] = server.endpoint;
       row[1] = name_of(server.health.error().code);
       servers.add(std::move(row));

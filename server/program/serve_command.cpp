@@ -178,7 +178,7 @@ void add_serve_command(CLI::App& app) {
       ->type_name("tcp://HOST:PORT");
   command
       ->add_option("--http-endpoint", arguments->http_endpoint,
-                   "where /metrics, /livez and /readyz are; nothing said: nowhere")
+                   "where /metrics, /livez and /readyz are asked")
       ->type_name("tcp://HOST:PORT");
   command
       ->add_option("--workers", arguments->workers_n, "worker processes; 0: none, plan in-process")

@@ -16,12 +16,6 @@ using graspd::testing::MetricsText;
 using graspd::testing::parse_metrics;
 using ::testing::HasSubstr;
 
-ServerConfig with_http(std::uint32_t workers_n) {
-  ServerConfig config = scripted_config(workers_n);
-  config.http_endpoint = "tcp://127.0.0.1:0";
-  return config;
-}
-
 MetricsText read(const RunningFront& front) {
   const auto page = http_get(front.http_url, "/metrics");
   EXPECT_EQ(page.status, 200);

@@ -15,12 +15,6 @@ using graspd::testing::http_get;
 using graspd::testing::HttpAnswer;
 using ::testing::HasSubstr;
 
-ServerConfig with_http(std::uint32_t workers_n) {
-  ServerConfig config = scripted_config(workers_n);
-  config.http_endpoint = "tcp://127.0.0.1:0";
-  return config;
-}
-
 HttpAnswer wait_for_readyz(const RunningFront& front, int status) {
   HttpAnswer answer;
   while (answer.status != status) answer = http_get(front.http_url, "/readyz");

@@ -93,6 +93,14 @@ Request plan_request() {
           .call = PlanCall{frame, plan}};
 }
 
+/// With why a spot is to be avoided.
+Request reason_request() {
+  Request request = plan_request();
+  std::get<PlanCall>(request.call).plan.failed_spots[0].reason =
+      "joint 4 would turn to 95°, beyond its limit";
+  return request;
+}
+
 Request crop_box_request() {
   Request request = plan_request();
   auto& [frame, plan] = std::get<PlanCall>(request.call);
@@ -209,6 +217,7 @@ Answer health_answer() {
                                .server = kServer}};
 }
 
+/// With what the server counts.
 Answer stats_answer() {
   Answer answer = health_answer();
   auto& health = std::get<HealthAnswer>(answer.body);
@@ -254,7 +263,8 @@ void expect_golden(const std::string& name, const Message& content, Encode encod
 std::map<std::string, Request> requests() {
   return {{"0.1.0_crop_box_request", crop_box_request()},
           {"0.1.0_health_request", health_request()},
-          {"0.1.0_plan_request", plan_request()}};
+          {"0.1.0_plan_request", plan_request()},
+          {"0.1.0_reason_request", reason_request()}};
 }
 
 std::map<std::string, Answer> answers() {

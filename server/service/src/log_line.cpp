@@ -10,8 +10,6 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-std::string hex(const RequestId& id) { return fmt::format("{:02x}", fmt::join(id, "")); }
-
 /// To a microsecond.
 double ms(std::chrono::nanoseconds duration) {
   return std::round(static_cast<double>(duration.count()) / 1e3) / 1e3;
@@ -44,7 +42,7 @@ json stages_of(const std::vector<StageTiming>& timings) {
 std::string log_line(std::string_view message) { return text_of({{"message", message}}); }
 
 std::string log_line(const PlanJob& plan, const RequestEnd& end, const ServerInfo& server) {
-  json line{{"request_id", hex(plan.id)},
+  json line{{"request_id", hexadecimal(plan.id)},
             {"attempt", plan.attempt},
             {"cell", plan.cell},
             {"parts", plan.parts},
@@ -68,7 +66,7 @@ std::string log_line(const PlanJob& plan, const RequestEnd& end, const ServerInf
 }
 
 std::string log_line(const Refused& refused) {
-  json line{{"request_id", hex(refused.id)}};
+  json line{{"request_id", hexadecimal(refused.id)}};
   if (!refused.cell.empty()) line["cell"] = refused.cell;
   line["code"] = name_of(refused.error.code);
   line["message"] = refused.error.message;

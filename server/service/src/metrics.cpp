@@ -62,7 +62,11 @@ class Metrics::Impl {
   Family<Histogram>& stage_seconds =
       histograms("graspd_stage_seconds", "Time that plans took, by stage.");
   Family<Gauge>& workers = gauges("graspd_workers", "Workers that are ready, and those at work.");
+  Gauge& workers_ready = workers.Add({{"state", "ready"}});
+  Gauge& workers_busy = workers.Add({{"state", "busy"}});
   Family<Gauge>& memory = gauges("graspd_memory_bytes", "Resident memory of front and workers.");
+  Gauge& front_memory = memory.Add({{"process", "front"}});
+  Gauge& workers_memory = memory.Add({{"process", "workers"}});
   Gauge& queued = gauges("graspd_queued_requests", "Requests that wait for a worker.").Add({});
   Gauge& ready = gauges("graspd_ready", "1 where /readyz says so.").Add({});
   Gauge& draining = gauges("graspd_draining", "1 where the server is shutting down.").Add({});
@@ -158,13 +162,10 @@ void Metrics::planned(Outcome outcome, const std::vector<std::string>& part_ids,
 void Metrics::worker_lost() { impl_->workers_lost.Increment(); }
 
 void Metrics::set_load(const Load& load) {
-  const auto set = [](Family<Gauge>& family, const char* key, const char* value, auto number) {
-    family.Add({{key, value}}).Set(static_cast<double>(number));
-  };
-  set(impl_->workers, "state", "ready", load.workers_ready_n);
-  set(impl_->workers, "state", "busy", load.workers_busy_n);
-  set(impl_->memory, "process", "front", load.front_memory_bytes);
-  set(impl_->memory, "process", "workers", load.workers_memory_bytes);
+  impl_->workers_ready.Set(static_cast<double>(load.workers_ready_n));
+  impl_->workers_busy.Set(static_cast<double>(load.workers_busy_n));
+  impl_->front_memory.Set(static_cast<double>(load.front_memory_bytes));
+  impl_->workers_memory.Set(static_cast<double>(load.workers_memory_bytes));
   impl_->queued.Set(static_cast<double>(load.queued_n));
   impl_->ready.Set(load.ready ? 1 : 0);
   impl_->draining.Set(load.draining ? 1 : 0);

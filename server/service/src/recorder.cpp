@@ -1,7 +1,5 @@
 #include "recorder.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <fstream>
 #include <vector>
@@ -41,7 +39,7 @@ void remove_oldest(const fs::path& folder, std::size_t most_n) {
 
 Result<fs::path> Recorder::keep(const RequestId& id, const zmq::message_t& envelope,
                                 const zmq::message_t& payload) const {
-  fs::path request = folder_ / fmt::format("{:02x}{}", fmt::join(id, ""), kRequest);
+  fs::path request = folder_ / (hexadecimal(id) + kRequest);
   fs::path depth = request;
   depth.replace_extension(kDepth);
   try {

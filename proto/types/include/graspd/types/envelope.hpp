@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cstdint>
 #include <string>
@@ -19,6 +21,11 @@ inline constexpr std::size_t kMaxPayload_bytes = 1024 * 1024;
 inline constexpr std::size_t kMaxAnswer_bytes = 256 * 1024;
 
 using RequestId = std::array<std::uint8_t, 16>;
+
+/// As logs, records and file names have it.
+inline std::string hexadecimal(const RequestId& id) {
+  return fmt::format("{:02x}", fmt::join(id, ""));
+}
 
 enum class DepthEncoding { kRaw, kRvl };
 

@@ -9,7 +9,6 @@
 
 #include "graspd/types/answer.hpp"
 #include "graspd/types/envelope.hpp"
-#include "graspd/types/result.hpp"
 
 namespace graspd::service {
 
