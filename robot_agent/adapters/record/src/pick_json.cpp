@@ -25,6 +25,7 @@ Json grasp_json(const agent::ChosenGrasp& chosen) {
           {"opening_width_m", grasp.opening_width_m},
           {"standoff_m", grasp.standoff_m},
           {"retreat_m", grasp.retreat_m},
+          {"room_m", grasp.room_m},
           {"grs",
            {{"grs", grs.grs},
             {"p_self", grs.p_self},
