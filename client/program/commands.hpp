@@ -9,4 +9,7 @@ void add_plan_command(CLI::App& app);
 /// Adds `health`: asks servers how they are.
 void add_health_command(CLI::App& app);
 
+/// Adds `keys new|allow|revoke|list`: who may use a server.
+void add_keys_command(CLI::App& app);
+
 }  // namespace graspd::program

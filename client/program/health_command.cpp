@@ -8,12 +8,13 @@
 #include "graspd/client/client.hpp"
 #include "graspd/codec/codec.hpp"
 #include "graspd/formats/table.hpp"
+#include "server_arguments.hpp"
 
 namespace graspd::program {
 namespace {
 
 struct HealthArguments {
-  std::vector<std::string> servers{"tcp://127.0.0.1:5555"};
+  ServerArguments servers;
   int budget_ms = 2000;
   bool json = false;
 };
@@ -31,7 +32,12 @@ std::vector<std::string> row_of(const std::string& endpoint, const HealthAnswer&
 }
 
 int ask(const HealthArguments& arguments) {
-  client::Client client(arguments.servers);
+  auto options = client_options(arguments.servers);
+  if (!options) {
+    fmt::print(stderr, "grasp: {}: {}\n", name_of(options.error().code), options.error().message);
+    return exit_code(options.error().code);
+  }
+  client::Client client(arguments.servers.servers, *std::move(options));
   Table table(
       {"server", "state", "workers", "busy", "queued", "answered", "up s", "parts", "build"});
   int code = 0;
@@ -60,9 +66,7 @@ int ask(const HealthArguments& arguments) {
 void add_health_command(CLI::App& app) {
   const auto arguments = std::make_shared<HealthArguments>();
   CLI::App* command = app.add_subcommand("health", "ask servers how they are");
-  command->add_option("--server", arguments->servers, "endpoint; say it once per server")
-      ->type_name("tcp://HOST:PORT")
-      ->capture_default_str();
+  add_server_options(*command, arguments->servers);
   command->add_option("--budget-ms", arguments->budget_ms, "how long to wait")
       ->check(CLI::Range(1, 600'000))
       ->capture_default_str();

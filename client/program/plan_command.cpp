@@ -11,16 +11,17 @@
 #include "graspd/formats/depth_image.hpp"
 #include "graspd/overlay/overlay.hpp"
 #include "plan_report.hpp"
+#include "server_arguments.hpp"
 
 namespace graspd::program {
 namespace {
 
 struct PlanArguments {
-  std::vector<std::string> servers{"tcp://127.0.0.1:5555"};
+  ServerArguments servers;
   std::string depth;
   std::string camera;
   std::string cell;
-  std::string cell_name = "grasp";
+  std::string cell_name;
   std::vector<std::string> parts;
   std::string overlay;
   bool json = false;
@@ -84,10 +85,11 @@ Result<Question> read_question(const PlanArguments& arguments) {
 Result<int> plan(const PlanArguments& arguments) {
   const auto question = read_question(arguments);
   if (!question) return tl::unexpected(question.error());
-  client::ClientOptions options;
-  options.cell = arguments.cell_name;
-  options.encoding = parse_enum<DepthEncoding>(arguments.encoding).value();
-  client::Client client(arguments.servers, options);
+  auto options = client_options(arguments.servers);
+  if (!options) return tl::unexpected(options.error());
+  if (!arguments.cell_name.empty()) options->cell = arguments.cell_name;
+  options->encoding = parse_enum<DepthEncoding>(arguments.encoding).value();
+  client::Client client(arguments.servers.servers, *std::move(options));
 
   const auto start = std::chrono::steady_clock::now();
   const auto answer = client.plan(question->frame, question->request,
@@ -120,9 +122,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& flag, std::string&
 }
 
 void add_options(CLI::App& command, PlanArguments& arguments) {
-  command.add_option("--server", arguments.servers, "endpoint; say it once per server")
-      ->type_name("tcp://HOST:PORT")
-      ->capture_default_str();
+  add_server_options(command, arguments.servers);
   command.add_option("--depth", arguments.depth, "depth image, 16 bits, one channel")
       ->type_name("PNG")
       ->required();
@@ -133,8 +133,10 @@ void add_options(CLI::App& command, PlanArguments& arguments) {
       ->type_name("ID")
       ->required();
   command.add_option("--cell", arguments.cell, "bin and gripper of the cell")->type_name("YAML");
-  command.add_option("--cell-name", arguments.cell_name, "whose turn the request counts as")
-      ->capture_default_str();
+  command
+      .add_option("--cell-name", arguments.cell_name,
+                  "whose turn the request counts as; default: the key's cell")
+      ->type_name("NAME");
   command.add_option("--overlay", arguments.overlay, "draw the plan over the depth image")
       ->type_name("PNG");
   command.add_flag("--json", arguments.json, "print the whole answer as JSON");

@@ -26,7 +26,15 @@ double ms_between(TimePoint from, TimePoint to) {
 void Front::Impl::take(Message message, Door door) {
   const std::string client = message.frames[0].to_string();
   zmq::socket_t& socket = door == Door::kData ? data_ : control_;
-  Incoming incoming = take_in(std::move(message), part_ids_, door);
+  std::optional<std::string> key_cell;
+  if (authenticator_ && message.frames.size() > 1) {
+    key_cell = authenticator_->cell_of(message.frames[1]);
+    if (!key_cell) {
+      turn_away(socket, client);
+      return;
+    }
+  }
+  Incoming incoming = take_in(std::move(message), crew_->part_ids, door, key_cell);
   Answer reply;
   if (auto* plan = std::get_if<PlanJob>(&incoming)) {
     admit(client, std::move(*plan));
@@ -71,42 +79,46 @@ void Front::Impl::read_workers() {
   Message message;
   while (receive(workers_, 6, message)) {
     const std::string identity = message.frames[0].to_string();
-    if (!supervisor_.heard(identity, Clock::now())) continue;
-    hear(identity, std::move(message));
+    for (Crew* crew : crews()) {
+      if (!crew->workers.heard(identity, Clock::now())) continue;
+      hear(*crew, identity, std::move(message));
+      break;
+    }
   }
 }
 
-void Front::Impl::hear(const std::string& identity, Message message) {
+void Front::Impl::hear(Crew& crew, const std::string& identity, Message message) {
   const std::string_view what = message.frames.at(1).to_string_view();
   if (what == verb::kReady) {
-    greet(identity, message);
+    greet(crew, identity, message);
   } else if (what == verb::kDone) {
-    conclude(identity, std::move(message));
+    conclude(crew, identity, std::move(message));
   }
 }
 
-void Front::Impl::greet(const std::string& identity, const Message& message) {
-  const ServerInfo& server = options_.facts.server;
+void Front::Impl::greet(Crew& crew, const std::string& identity, const Message& message) {
+  const ServerInfo& server = crew.facts.server;
   if (message.frames.at(2).to_string_view() != server.catalogue_hash ||
       message.frames.at(3).to_string_view() != server.config_hash) {
     // Answers of one server must not depend on which worker computed them.
-    supervisor_.reject(identity,
-                       "the parts on disk have changed since the server started; restart it");
+    crew.workers.reject(identity,
+                        "the parts on disk have changed since they were loaded; reload them "
+                        "(SIGHUP)");
     return;
   }
-  supervisor_.ready(identity);
+  crew.workers.ready(identity);
   log(LogLevel::kDebug, "{} is ready", identity);
-  if (!was_ready_ && supervisor_.ready_n() == supervisor_.identities().size()) {
+  if (!was_ready_ && crew.workers.all_ready()) {
     was_ready_ = true;
     if (options_.on_ready) options_.on_ready();
   }
 }
 
-void Front::Impl::conclude(const std::string& identity, Message message) {
+void Front::Impl::conclude(Crew& crew, const std::string& identity, Message message) {
   const Ticket ticket = number_of(message.frames.at(2));
   const std::string_view code = message.frames.at(3).to_string_view();
   const std::string_view detail = message.frames.at(4).to_string_view();
-  if (supervisor_.release(identity, Clock::now()) != ticket) {
+  if (crew.workers.release(identity, Clock::now()) != ticket) {
     log(LogLevel::kError, "{} concluded a request it did not hold", identity);
     return;
   }
@@ -133,7 +145,7 @@ void Front::Impl::expire() {
 }
 
 void Front::Impl::dispatch() {
-  while (const auto identity = supervisor_.idle()) {
+  while (const auto identity = crew_->workers.idle()) {
     const TimePoint now = Clock::now();
     const std::optional<Ticket> ticket = admission_.start(now);
     if (!ticket) return;
@@ -144,7 +156,7 @@ void Front::Impl::dispatch() {
     } else if (!start(job, *ticket, *identity)) {
       finish(*ticket, false);
       refuse(*ticket, {Code::kInternal, "no worker could be reached"});
-      supervisor_.reject(*identity, "it could not be reached");
+      crew_->workers.reject(*identity, "it could not be reached");
     }
   }
 }
@@ -160,7 +172,7 @@ bool Front::Impl::start(Job& job, Ticket ticket, const std::string& identity) {
   frames.push_back(std::move(job.plan.envelope));
   frames.push_back(std::move(job.plan.payload));
   if (send(workers_, std::move(frames)) != Sent::kYes) return false;
-  supervisor_.assign(identity, ticket, now);
+  crew_->workers.assign(identity, ticket, now);
   job.running = true;
   job.started = now;
   return true;
@@ -212,16 +224,16 @@ void Front::Impl::send_to_client(zmq::socket_t& socket, const std::string& clien
 
 HealthAnswer Front::Impl::health() const {
   HealthAnswer health;
-  const bool ready = was_ready_ && supervisor_.ready_n() > 0;
+  const bool ready = was_ready_ && authenticates_ && crew_->workers.ready_n() > 0;
   health.state = drain_until_ ? ServerState::kDraining
                               : (ready ? ServerState::kReady : ServerState::kStarting);
-  health.workers_n = static_cast<std::uint32_t>(supervisor_.ready_n());
-  health.workers_busy_n = static_cast<std::uint32_t>(supervisor_.busy_n());
+  health.workers_n = static_cast<std::uint32_t>(crew_->workers.ready_n());
+  health.workers_busy_n = static_cast<std::uint32_t>(crew_->workers.busy_n());
   health.queued_n = static_cast<std::uint32_t>(admission_.queued_n());
   health.answered_n = answered_n_;
   health.uptime_s = std::chrono::duration<double>(Clock::now() - started_).count();
-  health.part_ids = options_.facts.part_ids;
-  health.server = options_.facts.server;
+  health.part_ids = crew_->facts.part_ids;
+  health.server = crew_->facts.server;
   return health;
 }
 

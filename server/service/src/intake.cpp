@@ -59,7 +59,8 @@ std::string names_of_parts(const PlanRequest& plan) {
 
 }  // namespace
 
-Incoming take_in(Message message, const std::set<std::string>& part_ids, Door door) {
+Incoming take_in(Message message, const std::set<std::string>& part_ids, Door door,
+                 const std::optional<std::string>& key_cell) {
   const auto id = [&] {
     const bool readable =
         message.arrived_n >= 2 && message.frames[1].size() <= kMaxRequestEnvelope_bytes;
@@ -68,6 +69,13 @@ Incoming take_in(Message message, const std::set<std::string>& part_ids, Door do
   if (auto ok = check_frames(message); !ok) return Refused{id(), ok.error()};
   Result<Request> request = codec::decode_request(bytes_of(message.frames[1]));
   if (!request) return Refused{id(), request.error()};
+  if (key_cell && request->cell != *key_cell) {
+    return Refused{request->id,
+                   {Code::kUnauthenticated,
+                    fmt::format("cell: the request says '{}', but it came under the key of '{}'; "
+                                "say the cell that the key belongs to, or use that cell's key",
+                                request->cell, *key_cell)}};
+  }
   if (std::holds_alternative<HealthCall>(request->call)) return HealthQuestion{request->id};
 
   const auto& call = std::get<PlanCall>(request->call);
