@@ -8,6 +8,10 @@ namespace graspd::program {
 void add_plan_command(CLI::App& app);
 /// Adds `health`: asks servers how they are.
 void add_health_command(CLI::App& app);
+/// Adds `stats`: what servers do, as a live table.
+void add_stats_command(CLI::App& app);
+/// Adds `replay`: sends a request again that a server has recorded.
+void add_replay_command(CLI::App& app);
 
 /// Adds `keys new|allow|revoke|list`: who may use a server.
 void add_keys_command(CLI::App& app);

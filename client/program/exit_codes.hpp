@@ -1,5 +1,9 @@
 #pragma once
 
+#include <fmt/format.h>
+
+#include <cstdio>
+
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/types/answer.hpp"
 #include "graspd/types/result.hpp"
@@ -34,6 +38,15 @@ inline int exit_code(Code code) {
 
 inline int exit_code(Outcome outcome) {
   return outcome == Outcome::kPlanned || outcome == Outcome::kUnchanged ? 0 : kExitNothingToGrasp;
+}
+
+/// Ends a command: with the exit code it came to, or with what went wrong on stderr.
+inline void finish(const Result<int>& code) {
+  if (!code) {
+    fmt::print(stderr, "grasp: {}: {}\n", name_of(code.error().code), code.error().message);
+    throw CLI::RuntimeError(exit_code(code.error().code));
+  }
+  if (*code != 0) throw CLI::RuntimeError(*code);
 }
 
 }  // namespace graspd::program

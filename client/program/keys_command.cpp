@@ -21,48 +21,42 @@ struct KeysArguments {
 
 constexpr std::string_view kReload = "a running server takes it up on SIGHUP";
 
-Result<void> make(const KeysArguments& arguments) {
+Result<int> make(const KeysArguments& arguments) {
   // A wrong name is said before a key is made for it.
-  if (auto ok = keys::validate_cell_name(arguments.name); !ok) return ok;
+  if (auto ok = keys::validate_cell_name(arguments.name); !ok) return tl::unexpected(ok.error());
   const auto paths = keys::write_key_pair(keys::make_key_pair(arguments.name), arguments.folder);
   if (!paths) return tl::unexpected(paths.error());
   fmt::print(
       "{}  secret: stays on the machine of '{}', readable by its user alone\n"
       "{}  public: a cell's is for 'grasp keys allow', a server's is for its cells\n",
       paths->secret.string(), arguments.name, paths->public_key.string());
-  return {};
+  return 0;
 }
 
-Result<void> allow(const KeysArguments& arguments) {
+Result<int> allow(const KeysArguments& arguments) {
   const auto key = keys::read_public_key(arguments.file);
   if (!key) return tl::unexpected(key.error());
-  if (auto ok = keys::allow(arguments.list, *key); !ok) return ok;
+  if (auto ok = keys::allow(arguments.list, *key); !ok) return tl::unexpected(ok.error());
   fmt::print("{}: '{}' is allowed; {}\n", arguments.list, key->cell, kReload);
-  return {};
+  return 0;
 }
 
-Result<void> revoke(const KeysArguments& arguments) {
+Result<int> revoke(const KeysArguments& arguments) {
   const auto revoked_n = keys::revoke(arguments.list, arguments.name);
   if (!revoked_n) return tl::unexpected(revoked_n.error());
   fmt::print("{}: '{}' is not allowed any more ({} key{}); {}\n", arguments.list, arguments.name,
              *revoked_n, *revoked_n == 1 ? "" : "s", kReload);
-  return {};
+  return 0;
 }
 
-Result<void> list(const KeysArguments& arguments) {
+Result<int> list(const KeysArguments& arguments) {
   const auto allowed = keys::AllowList::read(arguments.list);
   if (!allowed) return tl::unexpected(allowed.error());
   for (const std::string& fault : allowed->faults()) fmt::print(stderr, "grasp: {}\n", fault);
   Table table({"cell", "public key"});
   for (const keys::PublicKey& key : allowed->entries()) table.add({key.cell, key.public_key});
   fmt::print("{}", table.to_text());
-  return {};
-}
-
-void finish(const Result<void>& result) {
-  if (result) return;
-  fmt::print(stderr, "grasp: {}: {}\n", name_of(result.error().code), result.error().message);
-  throw CLI::RuntimeError(exit_code(result.error().code));
+  return 0;
 }
 
 void add_list_option(CLI::App& command, KeysArguments& arguments) {

@@ -1,12 +1,10 @@
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <memory>
 
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "graspd/client/client.hpp"
-#include "graspd/codec/codec.hpp"
 #include "graspd/formats/cell.hpp"
 #include "graspd/formats/depth_image.hpp"
 #include "graspd/overlay/overlay.hpp"
@@ -97,11 +95,7 @@ Result<int> plan(const PlanArguments& arguments) {
   const auto round_trip = std::chrono::steady_clock::now() - start;
   if (!answer) return tl::unexpected(answer.error());
 
-  if (arguments.json) {
-    fmt::print("{}\n", codec::to_json(*answer, true));
-  } else {
-    fmt::print("{}", plan_report(*answer, round_trip));
-  }
+  print_plan(*answer, arguments.json, round_trip);
   if (!arguments.overlay.empty()) {
     const overlay::RgbImage picture = overlay::draw(question->frame, question->request, *answer);
     if (auto ok = overlay::write_png(arguments.overlay, picture); !ok) {
@@ -135,7 +129,7 @@ void add_options(CLI::App& command, PlanArguments& arguments) {
   command.add_option("--cell", arguments.cell, "bin and gripper of the cell")->type_name("YAML");
   command
       .add_option("--cell-name", arguments.cell_name,
-                  "whose turn the request counts as; default: the key's cell")
+                  "whose turn the request counts as; default: the key's cell, else 'grasp'")
       ->type_name("NAME");
   command.add_option("--overlay", arguments.overlay, "draw the plan over the depth image")
       ->type_name("PNG");
@@ -167,14 +161,7 @@ void add_plan_command(CLI::App& app) {
       "Example: grasp plan --server tcp://127.0.0.1:5555 --depth frame.png --camera camera.yaml "
       "\\\n"
       "                    --cell cell.yaml --part tee --overlay plan.png");
-  command->callback([arguments] {
-    const Result<int> code = plan(*arguments);
-    if (!code) {
-      fmt::print(stderr, "grasp: {}: {}\n", name_of(code.error().code), code.error().message);
-      throw CLI::RuntimeError(exit_code(code.error().code));
-    }
-    if (*code != 0) throw CLI::RuntimeError(*code);
-  });
+  command->callback([arguments] { finish(plan(*arguments)); });
 }
 
 }  // namespace graspd::program

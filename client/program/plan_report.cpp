@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "graspd/codec/codec.hpp"
 #include "graspd/formats/table.hpp"
 
 namespace graspd::program {
@@ -130,8 +131,6 @@ std::string timings_line(const PlanAnswer& answer, std::chrono::nanoseconds roun
   return line + fmt::format("round trip {}", ms(round_trip.count()));
 }
 
-}  // namespace
-
 std::string plan_report(const PlanAnswer& answer, std::chrono::nanoseconds round_trip) {
   std::string text;
   if (!answer.grasps.empty()) {
@@ -154,6 +153,16 @@ std::string plan_report(const PlanAnswer& answer, std::chrono::nanoseconds round
   text += fmt::format("server    build {}, catalogue {}, config {}\n", answer.server.build,
                       answer.server.catalogue_hash, answer.server.config_hash);
   return text;
+}
+
+}  // namespace
+
+void print_plan(const PlanAnswer& answer, bool as_json, std::chrono::nanoseconds round_trip) {
+  if (as_json) {
+    fmt::print("{}\n", codec::to_json(answer, true));
+  } else {
+    fmt::print("{}", plan_report(answer, round_trip));
+  }
 }
 
 }  // namespace graspd::program

@@ -1,14 +1,13 @@
 #pragma once
 
 #include <chrono>
-#include <string>
 
 #include "graspd/types/answer.hpp"
 
 namespace graspd::program {
 
-/// What `grasp plan` prints of an answer: the ranked grasps with the terms of their scores, then
-/// outcome, funnel and timings.
-std::string plan_report(const PlanAnswer& answer, std::chrono::nanoseconds round_trip);
+/// Prints an answer, whole as JSON, or for people: the ranked grasps with the terms of their
+/// scores, then outcome, funnel and timings.
+void print_plan(const PlanAnswer& answer, bool as_json, std::chrono::nanoseconds round_trip);
 
 }  // namespace graspd::program

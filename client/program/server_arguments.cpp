@@ -16,6 +16,7 @@ void add_server_options(CLI::App& command, ServerArguments& arguments) {
 
 Result<client::ClientOptions> client_options(const ServerArguments& arguments) {
   client::ClientOptions options;
+  options.cell = "grasp";
   if (arguments.key.empty()) return options;
   auto keys = keys::read_client_keys(arguments.server_key, arguments.key);
   if (!keys) return tl::unexpected(keys.error());

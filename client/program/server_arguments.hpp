@@ -17,7 +17,8 @@ struct ServerArguments {
 
 void add_server_options(CLI::App& command, ServerArguments& arguments);
 
-/// With the keys read, and the cell that they belong to.
+/// With the keys read, in the name of the cell that they belong to; without keys in that of
+/// "grasp".
 Result<client::ClientOptions> client_options(const ServerArguments& arguments);
 
 }  // namespace graspd::program

@@ -9,7 +9,6 @@
 #include "graspd/calibration/views.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/cell.hpp"
-#include "graspd/formats/mirror.hpp"
 
 namespace graspd::robot_agent {
 namespace {
@@ -28,11 +27,11 @@ struct UsableViews {
   std::vector<calibration::DepthView> depth;
 };
 
-Result<UsableViews> find_boards(calibration::Recording recording, const CameraIntrinsics& camera) {
+Result<UsableViews> find_boards(calibration::Recording recording) {
   UsableViews usable;
   std::string last_fault;
   for (calibration::RecordedView& view : recording.views) {
-    const auto board = calibration::find_board(view.image, recording.board, camera);
+    const auto board = calibration::find_board(view.image, recording.board, recording.camera);
     if (!board) {
       last_fault = fmt::format("{}: {}", view.name, board.error().message);
       spdlog::warn("{}; left out", last_fault);
@@ -51,8 +50,7 @@ Result<UsableViews> find_boards(calibration::Recording recording, const CameraIn
 void print(const calibration::HandEye& hand_eye, std::size_t views_n) {
   fmt::print(
       "camera pose from {} views: held out {:.2f} mm and {:.3f}° RMS; corners {:.2f} px RMS; "
-      "squares "
-      "fit {:.2f} mm\n",
+      "squares fit {:.2f} mm\n",
       views_n, hand_eye.position_rms_m * 1e3, hand_eye.rotation_rms_rad * kRadToDeg,
       hand_eye.reprojection_rms_px, hand_eye.square_m * 1e3);
   for (const calibration::ViewError& view : hand_eye.held_out) {
@@ -65,8 +63,8 @@ void print(const calibration::HandEye& hand_eye, std::size_t views_n) {
 
 void print(const calibration::DepthFit& fit, std::size_t views_n) {
   fmt::print(
-      "depth correction from {} views, {} readings over {:.0f} % of the image, {:.2f} to {:.2f} "
-      "m:\n"
+      "depth correction from {} views, {} readings over {:.0f} % of the image, "
+      "{:.2f} to {:.2f} m:\n"
       "  before    mean {:>6.2f} mm, RMS {:>5.2f} mm, bias {:>5.2f} mm\n"
       "  held out  mean {:>6.2f} mm, RMS {:>5.2f} mm, bias {:>5.2f} mm\n",
       views_n, fit.readings_n, fit.image_share * 100, fit.correction.min_depth_m,
@@ -81,9 +79,9 @@ Result<void> calibrate(const CalibrateArguments& arguments) {
   auto recording =
       calibration::read_recording(arguments.views, camera->camera, camera->depth_scale_m);
   if (!recording) return tl::unexpected(recording.error());
-  if (recording->is_mirrored) camera->camera = mirrored(camera->camera);
+  camera->camera = recording->camera;
   const calibration::Board board = recording->board;
-  const auto usable = find_boards(*std::move(recording), camera->camera);
+  const auto usable = find_boards(*std::move(recording));
   if (!usable) return tl::unexpected(usable.error());
 
   if (!usable->flange.empty()) {
@@ -127,11 +125,10 @@ void add_calibrate_command(CLI::App& app) {
       "    - image: ir_00.png\n"
       "      T_base_flange: [16 numbers, row by row, metres]   # board on the flange: camera pose\n"
       "      depth: depth_00.png                               # depth correction\n\n"
-      "Both are optional in each view. Keys of board that may be left out: dictionary "
-      "(DICT_4X4_50)\n"
-      "and margin_m (0), the plain margin of the plate: where there is one, only it is read for "
-      "the\n"
-      "depth, since dark print is read too far. What is written is for images mirrored back.\n\n"
+      "Both are optional in each view. Keys of board that may be left out: dictionary\n"
+      "(DICT_4X4_50) and margin_m (0), the plain margin of the plate: where there is one, only it\n"
+      "is read for the depth, since what is read may depend on how dark the print is.\n"
+      "What is written is for images mirrored back.\n\n"
       "Example: robot_agent calibrate --views board --camera kinect.yaml --out camera.yaml");
   command->callback([arguments] {
     const auto done = calibrate(*arguments);

@@ -19,6 +19,12 @@ void read_positive(YamlMap& map, std::string_view key, double& value) {
   if (value < 0) map.fault(key, fmt::format("'{}' must not be negative", key));
 }
 
+void read_count(YamlMap& map, std::string_view key, int& value) {
+  std::uint32_t count_n = static_cast<std::uint32_t>(value);
+  map.optional(key, count_n);
+  value = static_cast<int>(std::min(count_n, 1'000'000u));
+}
+
 std::chrono::milliseconds read_duration(YamlMap& map, std::string_view key,
                                         std::chrono::milliseconds value) {
   double seconds = std::chrono::duration<double>(value).count();
@@ -64,12 +70,53 @@ PlanOptions read_options(YamlMap map) {
 
 agent::RetryPolicy read_retry(YamlMap map) {
   agent::RetryPolicy retry;
-  std::uint32_t max_failures_n = static_cast<std::uint32_t>(retry.max_failures_n);
-  map.optional("max_failures_n", max_failures_n);
-  retry.max_failures_n = static_cast<int>(max_failures_n);
+  read_count(map, "max_failures_n", retry.max_failures_n);
   retry.pause = read_duration(map, "pause_s", retry.pause);
   retry.max_pause = read_duration(map, "max_pause_s", retry.max_pause);
+  read_count(map, "max_old_frames_n", retry.max_old_frames_n);
   return retry;
+}
+
+void read_reaction(YamlMap& map, std::string_view key, agent::Reaction& reaction, bool may_stir) {
+  map.optional_enum(key, reaction);
+  if (reaction == agent::Reaction::kStir && !may_stir) {
+    map.fault(key, fmt::format("'{}' can't be stir: nobody knows of a pile then", key));
+  }
+}
+
+agent::Reactions read_reactions(YamlMap map) {
+  agent::Reactions reactions;
+  read_reaction(map, "on_bin_empty", reactions.bin_empty, /*may_stir=*/false);
+  read_reaction(map, "on_bin_not_found", reactions.bin_not_found, /*may_stir=*/false);
+  read_reaction(map, "on_none_registered", reactions.none_registered, /*may_stir=*/true);
+  read_reaction(map, "on_all_in_collision", reactions.all_in_collision, /*may_stir=*/true);
+  read_reaction(map, "on_none_reachable", reactions.none_reachable, /*may_stir=*/true);
+  return reactions;
+}
+
+agent::StirOptions read_stir(YamlMap map) {
+  agent::StirOptions stir;
+  read_count(map, "max_in_a_row_n", stir.max_in_a_row_n);
+  read_positive(map, "depth_m", stir.depth_m);
+  read_positive(map, "stroke_m", stir.stroke_m);
+  map.optional("speed_share", stir.speed_share);
+  if (!(stir.speed_share > 0 && stir.speed_share <= 1)) {
+    map.fault("speed_share", "'speed_share' must be above 0, and at most 1");
+  }
+  return stir;
+}
+
+void read_arm(YamlMap map, const fs::path& input, const fs::path& output, CellConfig& config) {
+  map.optional_enum("kind", config.arm);
+  switch (config.arm) {
+    case ArmKind::kRecord:
+      config.arm_record = read_path(map, "path", output, "arm.jsonl");
+      break;
+    case ArmKind::kSimulated:
+      config.motion = read_motion(map.map("motion"), input);
+      config.pile = read_pile(map.map("pile"), input, output);
+      break;
+  }
 }
 
 }  // namespace
@@ -85,18 +132,24 @@ Result<CellConfig> read_cell_config(const fs::path& path, const fs::path& output
   config.key_file = read_path(root, "key_file", input);
   root.optional("budget_ms", config.budget_ms);
   config.parts = read_parts(root);
-  config.camera = read_camera_section(root.map("camera"), input);
+  read_arm(root.map("arm"), input, output, config);
+  if (config.arm != ArmKind::kSimulated) {
+    config.camera = read_camera_section(root.map("camera"), input);
+  }
   if (root.has("T_base_camera")) root.required("T_base_camera", config.T_base_camera.emplace());
   if (root.has("bin")) config.bin = read_bin(root.map("bin"));
+  if (config.arm == ArmKind::kSimulated && !(config.bin && config.T_base_camera)) {
+    root.fault({}, "a simulated cell needs the sections 'bin' and 'T_base_camera'");
+  }
   config.gripper = read_gripper(root.map("gripper"));
   config.options = read_options(root.map("plan"));
   root.required("T_base_place", config.T_base_place);
   root.optional("failed_spot_radius_m", config.failed_spot_radius_m);
   config.retry = read_retry(root.map("retries"));
-  YamlMap arm = root.map("arm");
-  arm.optional_enum("kind", config.arm);
-  config.arm_record = read_path(arm, "path", output, "arm.jsonl");
-  config.pick_records = read_path(root, "picks", output, "picks.jsonl");
+  config.reactions = read_reactions(root.map("reactions"));
+  config.stir = read_stir(root.map("stir"));
+  config.records = read_path(root, "records", output, "records");
+  root.optional("keep_frames", config.keep_frames);
   config.overlays = read_path(root, "overlays", output);
   if (auto ok = document.finish(); !ok) return tl::unexpected(ok.error());
   return config;

@@ -7,13 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "arm_config.hpp"
 #include "graspd/agent/pick_cycle.hpp"
 #include "graspd/replay/replay_camera.hpp"
 #include "graspd/types/request.hpp"
 
 namespace graspd::robot_agent {
 
-enum class ArmKind { kRecord };
+enum class ArmKind { kRecord, kSimulated };
 
 struct CameraConfig {
   replay::RecordingKind kind = replay::RecordingKind::kBop;
@@ -38,11 +39,16 @@ struct CellConfig {
   Gripper gripper;
   PlanOptions options;
   Eigen::Isometry3d T_base_place = Eigen::Isometry3d::Identity();
-  double failed_spot_radius_m = 0.02;
+  double failed_spot_radius_m = agent::Task().failed_spot_radius_m;
   agent::RetryPolicy retry;
+  agent::Reactions reactions;
+  agent::StirOptions stir;
   ArmKind arm = ArmKind::kRecord;
   std::filesystem::path arm_record;
-  std::filesystem::path pick_records;
+  std::optional<MotionConfig> motion;  ///< of an arm whose motions are planned here
+  std::optional<PileConfig> pile;      ///< of a simulated cell
+  std::filesystem::path records;       ///< each run makes a folder in it
+  bool keep_frames = true;
   std::filesystem::path overlays;  ///< empty: none are drawn
 };
 
@@ -58,5 +64,6 @@ template <>
 struct graspd::EnumNames<graspd::robot_agent::ArmKind> {
   using Kind = robot_agent::ArmKind;
   static constexpr std::string_view what = "kind of arm";
-  static constexpr std::pair<Kind, std::string_view> values[] = {{Kind::kRecord, "record"}};
+  static constexpr std::pair<Kind, std::string_view> values[] = {{Kind::kRecord, "record"},
+                                                                 {Kind::kSimulated, "simulated"}};
 };

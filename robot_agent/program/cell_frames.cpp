@@ -19,7 +19,7 @@ Result<CellFrames> find_cell_frames(const CellConfig& config) {
   CellFrames frames;
   frames.T_base_camera = looking_down();
   std::optional<BopBin> recorded_bin;
-  if (config.camera.kind == replay::RecordingKind::kBop) {
+  if (config.arm != ArmKind::kSimulated && config.camera.kind == replay::RecordingKind::kBop) {
     const auto image = first_image(config.camera.path);
     if (!image) return tl::unexpected(image.error());
     if (image->T_world_camera) frames.T_base_camera = *image->T_world_camera;

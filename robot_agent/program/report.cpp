@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "graspd/overlay/overlay.hpp"
-#include "graspd/record/pick_json.hpp"
 
 namespace graspd::robot_agent {
 namespace {
@@ -44,30 +43,44 @@ std::string report_line(const std::string& cell, const agent::PickRecord& record
   return record.message.empty() ? line : line + "  " + record.message;
 }
 
-Reporter::Reporter(std::string cell, record::JsonLines picks, std::filesystem::path overlays)
-    : cell_(std::move(cell)), picks_(std::move(picks)), overlays_(std::move(overlays)) {
+Reporter::Reporter(std::string cell, record::RunRecorder recorder, std::filesystem::path overlays)
+    : cell_(std::move(cell)), recorder_(std::move(recorder)), overlays_(std::move(overlays)) {
   // Where this fails, the first picture says so.
   std::error_code error;
   std::filesystem::create_directories(overlays_, error);
 }
 
 void Reporter::planned(std::uint64_t frame_n, const DepthFrame& frame, const PlanRequest& request,
-                       const PlanAnswer& answer) {
-  for (const std::string& warning : answer.warnings) spdlog::warn("{}: {}", cell_, warning);
+                       const Result<PlanAnswer>& answer) {
+  log_failure(recorder_.planned(frame_n, frame, request, answer));
+  if (!answer) return;
+  for (const std::string& warning : answer->warnings) spdlog::warn("{}: {}", cell_, warning);
   if (overlays_.empty()) return;
   const auto path = overlays_ / fmt::format("{:06}.png", frame_n);
-  if (const auto ok = overlay::write_png(path, overlay::draw(frame, request, answer)); !ok) {
-    spdlog::error("{}: {}", cell_, ok.error().message);
-  }
+  log_failure(overlay::write_png(path, overlay::draw(frame, request, *answer)));
 }
 
 void Reporter::finished(const agent::PickRecord& record) {
+  for (const agent::PassedOver& over : record.passed_over) {
+    spdlog::info("{}: frame {}: grasp {} of {} passed over: {}", cell_, record.frame_n, over.rank,
+                 over.part_id, over.reason);
+  }
   fmt::print("{}\n", report_line(cell_, record));
   std::fflush(stdout);
   placed_n_ += record.verdict == agent::Verdict::kPlaced;
-  if (const auto ok = picks_.add(record::to_json(record)); !ok) {
-    spdlog::error("{}: {}", cell_, ok.error().message);
-  }
+  log_failure(recorder_.finished(record));
+}
+
+void Reporter::ended(const agent::PickCycle& cycle) {
+  const bool done = cycle.state() == agent::State::kDone;
+  spdlog::log(done ? spdlog::level::info : spdlog::level::err, "{}: {}, {} parts placed: {}", cell_,
+              done ? "done" : "stopped", placed_n_, cycle.reason());
+  log_failure(
+      recorder_.ended(name_of(cycle.state()), cycle.reason(), std::chrono::system_clock::now()));
+}
+
+void Reporter::log_failure(const Result<void>& written) const {
+  if (!written) spdlog::error("{}: {}", cell_, written.error().message);
 }
 
 }  // namespace graspd::robot_agent

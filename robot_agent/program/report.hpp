@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <string>
 
-#include "graspd/agent/pick_record.hpp"
-#include "graspd/record/json_lines.hpp"
+#include "graspd/agent/pick_cycle.hpp"
+#include "graspd/record/run_recorder.hpp"
 
 namespace graspd::robot_agent {
 
@@ -12,22 +12,25 @@ namespace graspd::robot_agent {
 std::string report_header();
 std::string report_line(const std::string& cell, const agent::PickRecord& record);
 
-/// Tells people and files what happens: a line per pick on standard output, a JSON line per pick,
-/// an overlay per plan. A full disk is logged, and no reason to stop picking.
+/// Tells people and files what happens: a line per frame on standard output, the run's records, an
+/// overlay per plan. A full disk is logged, and no reason to stop picking.
 class Reporter final : public agent::Observer {
  public:
   /// \param overlays a folder, or empty: none are drawn.
-  Reporter(std::string cell, record::JsonLines picks, std::filesystem::path overlays);
+  Reporter(std::string cell, record::RunRecorder recorder, std::filesystem::path overlays);
 
   void planned(std::uint64_t frame_n, const DepthFrame& frame, const PlanRequest& request,
-               const PlanAnswer& answer) override;
+               const Result<PlanAnswer>& answer) override;
   void finished(const agent::PickRecord& record) override;
 
-  std::size_t placed_n() const { return placed_n_; }
+  /// The run is over: its last line in the log, and in its records.
+  void ended(const agent::PickCycle& cycle);
 
  private:
+  void log_failure(const Result<void>& written) const;
+
   std::string cell_;
-  record::JsonLines picks_;
+  record::RunRecorder recorder_;
   std::filesystem::path overlays_;
   std::size_t placed_n_ = 0;
 };

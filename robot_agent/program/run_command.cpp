@@ -1,4 +1,3 @@
-#include <signal.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
@@ -6,11 +5,12 @@
 #include "cell_config.hpp"
 #include "cell_frames.hpp"
 #include "commands.hpp"
+#include "console_operator.hpp"
+#include "equipment.hpp"
 #include "graspd/command_line/run_program.hpp"
-#include "graspd/record/recording_arm.hpp"
 #include "graspd/server_planner/server_planner.hpp"
 #include "report.hpp"
-#include "system_clock.hpp"
+#include "signals.hpp"
 
 namespace graspd::robot_agent {
 namespace {
@@ -22,17 +22,9 @@ struct RunArguments {
   std::vector<std::string> servers;
   std::filesystem::path recording;
   std::optional<std::uint32_t> frames_n;
+  std::optional<std::uint32_t> pile_n;
   bool no_header = false;
 };
-
-volatile sig_atomic_t asked_to_stop = 0;
-
-void listen_for_signals() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { asked_to_stop = 1; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 Result<CellConfig> configure(const RunArguments& arguments) {
   auto config = read_cell_config(arguments.config, arguments.output);
@@ -40,6 +32,7 @@ Result<CellConfig> configure(const RunArguments& arguments) {
   if (!arguments.servers.empty()) config->servers = arguments.servers;
   if (!arguments.recording.empty()) config->camera.path = arguments.recording;
   if (arguments.frames_n) config->camera.frames_n = *arguments.frames_n;
+  if (arguments.pile_n && config->pile) config->pile->count_n = *arguments.pile_n;
   return config;
 }
 
@@ -64,29 +57,22 @@ Result<agent::Task> make_task(const CellConfig& config, const CellFrames& frames
   task.T_base_place = config.T_base_place;
   task.failed_spot_radius_m = config.failed_spot_radius_m;
   task.retry = config.retry;
+  task.reactions = config.reactions;
+  task.stir = config.stir;
+  if (task.reactions.any(agent::Reaction::kStir) && !task.request.bin) {
+    return invalid("reactions: to stir, the agent must know where the bin is; add a bin section");
+  }
   if (const auto ok = validate(task.request); !ok) return tl::unexpected(ok.error());
   return task;
 }
 
-Result<std::unique_ptr<agent::Camera>> make_camera(const CameraConfig& config,
-                                                   const CellFrames& frames, agent::Clock& clock) {
-  replay::ReplayOptions options;
-  options.loop = config.loop;
-  if (config.frames_n > 0) options.max_frames_n = config.frames_n;
-  options.period = std::chrono::nanoseconds(static_cast<std::int64_t>(config.period_s * 1e9));
-  options.intrinsics = frames.intrinsics;
-  return replay::open_recording(config.kind, config.path, options, clock);
-}
-
-/// \returns whether the cycle is done, rather than stopped.
-bool pick(const std::string& cell, agent::PickCycle& cycle) {
+void pick(const std::string& cell, agent::PickCycle& cycle) {
   while (!cycle.is_over()) {
-    if (asked_to_stop) cycle.finish();
+    if (asked_to_stop()) cycle.finish();
     const agent::State before = cycle.state();
     const agent::State after = cycle.step();
     spdlog::debug("{}: {} -> {}", cell, name_of(before), name_of(after));
   }
-  return cycle.state() == agent::State::kDone;
 }
 
 Result<int> run_cell(const RunArguments& arguments) {
@@ -97,27 +83,31 @@ Result<int> run_cell(const RunArguments& arguments) {
   const auto task = make_task(*config, *frames);
   if (!task) return tl::unexpected(task.error());
 
-  SystemClock clock;
-  const auto camera = make_camera(config->camera, *frames, clock);
-  if (!camera) return tl::unexpected(camera.error());
+  const auto equipment = make_equipment(*config, *frames);
+  if (!equipment) return tl::unexpected(equipment.error());
   const auto planner = make_planner(*config);
   if (!planner) return tl::unexpected(planner.error());
-  auto arm = record::RecordingArm::create(config->arm_record,
-                                          {config->cell, frames->T_base_camera, frames->bin});
-  if (!arm) return tl::unexpected(arm.error());
-  auto picks = record::JsonLines::create(config->pick_records);
-  if (!picks) return tl::unexpected(picks.error());
+  auto recorder = record::RunRecorder::create(
+      config->records, config->cell, std::chrono::system_clock::now(), config->keep_frames);
+  if (!recorder) return tl::unexpected(recorder.error());
 
-  Reporter reporter(config->cell, *std::move(picks), config->overlays);
-  agent::PickCycle cycle({**camera, **planner, *arm, *arm, clock}, *task, reporter);
-  spdlog::info("{}: planning at {}, replaying {}", config->cell, fmt::join(config->servers, ", "),
-               config->camera.path.lexically_normal().string());
+  const std::string what = config->arm == ArmKind::kSimulated
+                               ? "picking in simulation"
+                               : "replaying " + config->camera.path.lexically_normal().string();
+  spdlog::info("{}: planning at {}, {}, recording to {}", config->cell,
+               fmt::join(config->servers, ", "), what,
+               recorder->folder().lexically_normal().string());
+  Reporter reporter(config->cell, *std::move(recorder), config->overlays);
+  ConsoleOperator console_operator;
+  agent::PickCycle cycle({*equipment->camera, equipment->timed(**planner), *equipment->arm,
+                          *equipment->gripper, *equipment->clock, &console_operator},
+                         *task, reporter);
   if (!arguments.no_header) fmt::print("{}\n", report_header());
   std::fflush(stdout);  // above the lines of other agents that share the terminal
-  const bool done = pick(config->cell, cycle);
-  spdlog::log(done ? spdlog::level::info : spdlog::level::err, "{}: {}, {} parts placed: {}",
-              config->cell, done ? "done" : "stopped", reporter.placed_n(), cycle.reason());
-  return done ? kExitDone : kExitFailed;
+  pick(config->cell, cycle);
+  reporter.ended(cycle);
+  if (auto ok = equipment->finish(); !ok) return tl::unexpected(ok.error());
+  return cycle.state() == agent::State::kDone ? kExitDone : kExitFailed;
 }
 
 int run(const RunArguments& arguments) {
@@ -146,10 +136,16 @@ void add_run_command(CLI::App& app) {
   command->add_option("--recording", arguments->recording, "replay this, not the configuration's")
       ->type_name("PATH");
   command->add_option("--frames", arguments->frames_n, "end after so many frames")->type_name("N");
+  command
+      ->add_option("--pile", arguments->pile_n,
+                   "so many of each part in a simulated cell, not the configuration's")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
   command->add_flag("--no-header", arguments->no_header, "where several agents share a terminal");
   command->footer(
-      "Prints a line per frame, and writes picks (JSON lines), what the arm was told (JSON lines) "
-      "and overlays (PNG).\nSIGTERM and Ctrl-C end it after the pick in hand.\n\n"
+      "Prints a line per frame, and writes a folder with the run's records (`robot_agent report` "
+      "sums them up),\nwhat the arm was told (JSON lines) and overlays (PNG). SIGTERM and Ctrl-C "
+      "end it after the pick in hand;\nSIGUSR1 or Enter goes on where it asks its operator.\n\n"
       "Example: robot_agent run --config deploy/cells/tees.yaml --out build/tees");
   command->callback([arguments] {
     if (const int code = run(*arguments)) throw CLI::RuntimeError(code);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "golden_frame.hpp"
 #include "graspd/parts/catalogue.hpp"
 #include "graspd/perception/planner.hpp"
 #include "graspd/service/build_id.hpp"
@@ -19,6 +20,8 @@ Result<Planner> make_planner(const service::ServerConfig& config) {
   for (const parts::Part& part : catalogue->parts()) planner.part_ids.push_back(part.id);
   planner.server = {service::build_id(), catalogue->hash(),
                     service::config_hash(config.perception)};
+  planner.golden = std::make_shared<const service::GoldenFrame>(
+      make_golden_frame(catalogue->parts().front(), config.perception));
   planner.handler = [catalogue, parameters = config.perception](
                         const DepthFrame& frame, const PlanRequest& request,
                         std::chrono::steady_clock::time_point deadline) {

@@ -15,6 +15,7 @@ struct Planner {
   service::PlanHandler handler;
   ServerInfo server;
   std::vector<std::string> part_ids;
+  std::shared_ptr<const service::GoldenFrame> golden;
 };
 
 /// Loads the parts. \returns INVALID_ARGUMENT naming each file that is wrong.

@@ -28,6 +28,7 @@ struct ServeArguments {
   std::optional<std::string> parts;
   std::optional<std::string> data_endpoint;
   std::optional<std::string> control_endpoint;
+  std::optional<std::string> http_endpoint;
   std::optional<std::uint32_t> workers_n;
   std::optional<std::string> log_level;
   std::optional<std::string> key_file;
@@ -46,6 +47,7 @@ Result<service::ServerConfig> configure(const ServeArguments& arguments) {
   if (arguments.parts) config.parts = *arguments.parts;
   if (arguments.data_endpoint) config.data_endpoint = *arguments.data_endpoint;
   if (arguments.control_endpoint) config.control_endpoint = *arguments.control_endpoint;
+  if (arguments.http_endpoint) config.http_endpoint = *arguments.http_endpoint;
   if (arguments.workers_n) config.workers_n = *arguments.workers_n;
   if (arguments.log_level) {
     config.log_level = parse_enum<service::LogLevel>(*arguments.log_level).value();
@@ -71,11 +73,13 @@ int signal_descriptor(std::initializer_list<int> numbers) {
 
 service::Log make_log(service::LogLevel least) {
   const auto logger = spdlog::stderr_logger_mt("grasp_server");
-  logger->set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
+  // A line is a JSON object; what comes in is the rest of one, after its brace.
+  logger->set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l",%v)");
   logger->set_level(spdlog::level::trace);
   logger->flush_on(spdlog::level::trace);
-  return [logger, least](service::LogLevel level, std::string_view line) {
+  return [logger, least](service::LogLevel level, std::string_view object) {
     if (level < least) return;
+    const std::string_view line = object.substr(1);
     switch (level) {
       case service::LogLevel::kDebug:
         logger->debug("{}", line);
@@ -111,7 +115,8 @@ std::unique_ptr<service::WorkerLauncher> make_launcher(const service::ServerConf
                                                        const Planner& planner,
                                                        const std::filesystem::path& folder) {
   if (config.workers_n == 0) {
-    return std::make_unique<service::ThreadLauncher>(planner.handler, planner.server);
+    return std::make_unique<service::ThreadLauncher>(planner.handler, planner.server,
+                                                     planner.golden);
   }
   const std::string effective = write_effective_config(config, folder);
   // This very program, even if its file has been replaced by a newer one.
@@ -164,9 +169,10 @@ int serve(const ServeArguments& arguments) {
   options.log = make_log(config->log_level);
   service::Front* running = nullptr;
   options.on_ready = [&] {
-    fmt::print("grasp_server ready: data {}, control {}, {} parts, {} workers\n",
+    const std::string http = running->http_url();
+    fmt::print("grasp_server ready: data {}, control {}, {} parts, {} workers{}\n",
                running->data_endpoint(), running->control_endpoint(), planner->part_ids.size(),
-               config->workers_n);
+               config->workers_n, http.empty() ? "" : ", metrics " + http + "/metrics");
     std::fflush(stdout);
   };
   try {
@@ -195,6 +201,10 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--control-endpoint", arguments->control_endpoint, "where health is asked")
       ->type_name("tcp://HOST:PORT");
   command
+      ->add_option("--http-endpoint", arguments->http_endpoint,
+                   "where /metrics, /livez and /readyz are asked")
+      ->type_name("tcp://HOST:PORT");
+  command
       ->add_option("--workers", arguments->workers_n, "worker processes; 0: none, plan in-process")
       ->type_name("N");
   command->add_option("--log-level", arguments->log_level, names_of<service::LogLevel>())
@@ -210,9 +220,8 @@ void add_serve_command(CLI::App& app) {
   command->footer(
       "Prints 'grasp_server ready: data ENDPOINT, control ENDPOINT, …' on its output when it is, "
       "logs to its error\noutput, and ends on SIGTERM or Ctrl-C after finishing what it accepted; "
-      "at once on the second.\nSIGHUP reads the list of allowed cells and the parts again, while "
-      "it goes "
-      "on serving.\n\n"
+      "at once on the second.\nSIGHUP reads the list of allowed cells and the parts again while it "
+      "goes on serving.\n\n"
       "Example: grasp_server serve --config deploy/server.yaml --insecure --workers 2");
   command->callback([arguments] {
     if (const int code = serve(*arguments)) throw CLI::RuntimeError(code);

@@ -24,6 +24,7 @@ void run(const WorkerArguments& arguments) {
   if (!planner) throw std::runtime_error(planner.error().message);
   service::WorkerOptions options = arguments.worker;
   options.server = planner->server;
+  options.golden = planner->golden;
   service::run_worker(options, planner->handler);
 }
 

@@ -72,8 +72,7 @@ Result<Measured> measure(const Kinds& kinds, const parts::Catalogue& catalogue,
     if (!image) return tl::unexpected(image.error());
     image->instance.reset();  // segments are table1's
     const PlanRequest request = eval::request_for(*image, catalogue, ids);
-    const auto report =
-        eval::evaluate_image(*image, 0, request, catalogue, parameters);
+    const auto report = eval::evaluate_image(*image, 0, request, catalogue, parameters);
     if (!report) return fail(report.error().code, "frame {}: {}", k, report.error().message);
     if (report->poses) {
       add_records(*report->poses, {k, scene}, catalogue, records);

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <memory>
 
+#include "fake_clock.hpp"
 #include "graspd/formats/bop.hpp"
 #include "graspd/recordings/rawlog.hpp"
 #include "graspd/replay/replay_camera.hpp"
@@ -18,21 +19,6 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-class TestClock final : public agent::Clock {
- public:
-  std::chrono::nanoseconds now() override { return now_; }
-  void sleep_for(std::chrono::nanoseconds duration) override {
-    sleeps.push_back(std::chrono::duration_cast<std::chrono::milliseconds>(duration));
-    now_ += duration;
-  }
-  void advance(std::chrono::nanoseconds duration) { now_ += duration; }
-
-  std::vector<std::chrono::milliseconds> sleeps;
-
- private:
-  std::chrono::nanoseconds now_{1s};
-};
 
 /// Frame k has depths that tell it from all others.
 DepthFrame frame_number(int k, int width_px = 24, int height_px = 16) {
@@ -104,7 +90,7 @@ class CameraContract : public ::testing::TestWithParam<RecordingKind> {
     return numbers;
   }
 
-  TestClock clock;
+  agent::fakes::FakeClock clock;
 
  private:
   testing::TemporaryFolder folder_;

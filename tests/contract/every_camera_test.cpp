@@ -2,12 +2,13 @@
 #include <stdlib.h>
 
 #include <functional>
-#include <ostream>
 
+#include "fake_clock.hpp"
 #include "graspd/formats/bop.hpp"
 #include "graspd/openni2/openni2_camera.hpp"
 #include "graspd/recordings/rawlog.hpp"
 #include "graspd/replay/replay_camera.hpp"
+#include "named.hpp"
 #include "temporary_folder.hpp"
 
 /// What every camera must do, recorded or real: `camera_contract_test.cpp` goes on with what only
@@ -20,12 +21,6 @@ using namespace std::chrono_literals;
 const CameraIntrinsics kCamera{512, 424, 365.5, 366.25, 255.5, 205.25, {0.09, -0.27, 0, 0, 0.1}};
 constexpr std::uint64_t kFrames = 2;  ///< before a camera that breaks is broken
 
-class NoWaiting final : public Clock {
- public:
-  std::chrono::nanoseconds now() override { return 0ns; }
-  void sleep_for(std::chrono::nanoseconds) override {}
-};
-
 DepthFrame recorded_frame() {
   DepthFrame frame{kCamera, 0.001, std::vector<std::uint16_t>(512 * 424)};
   for (std::size_t i = 0; i < frame.depth.size(); ++i) {
@@ -37,7 +32,7 @@ DepthFrame recorded_frame() {
 /// Where a camera lives while it is tested.
 struct Scene {
   testing::TemporaryFolder folder;
-  NoWaiting clock;
+  fakes::FakeClock clock;
 };
 /// \param breaks after `kFrames` frames.
 using Open = std::function<std::unique_ptr<Camera>(Scene&, bool breaks)>;
@@ -82,11 +77,7 @@ std::unique_ptr<Camera> open_openni2(Scene&, bool breaks) {
   return openni2::open_camera(options).value();
 }
 
-struct NamedCamera {
-  std::string name;
-  Open open;
-};
-void PrintTo(const NamedCamera& camera, std::ostream* out) { *out << camera.name; }
+using NamedCamera = testing::Named<Open>;
 
 const NamedCamera kCameras[] = {
     {"bop", open_bop},
@@ -100,7 +91,7 @@ class EveryCamera : public ::testing::TestWithParam<NamedCamera> {
 };
 
 TEST_P(EveryCamera, GivesFramesThatAPlanCanBeMadeOf) {
-  const auto camera = GetParam().open(scene, false);
+  const auto camera = GetParam().make(scene, false);
   for (std::uint64_t i = 0; i < kFrames; ++i) {
     const auto frame = camera->next();
     ASSERT_TRUE(frame) << frame.error().message;
@@ -111,7 +102,7 @@ TEST_P(EveryCamera, GivesFramesThatAPlanCanBeMadeOf) {
 }
 
 TEST_P(EveryCamera, GivesTheIntrinsicsItWasCalibratedTo) {
-  const auto frame = GetParam().open(scene, false)->next();
+  const auto frame = GetParam().make(scene, false)->next();
   ASSERT_TRUE(frame && *frame);
   EXPECT_EQ((*frame)->camera.width_px, kCamera.width_px);
   EXPECT_EQ((*frame)->camera.height_px, kCamera.height_px);
@@ -121,7 +112,7 @@ TEST_P(EveryCamera, GivesTheIntrinsicsItWasCalibratedTo) {
 }
 
 TEST_P(EveryCamera, ABrokenOneSaysSoAgainAndAgain) {
-  const auto camera = GetParam().open(scene, true);
+  const auto camera = GetParam().make(scene, true);
   for (std::uint64_t i = 0; i < kFrames; ++i) {
     if (!camera->next()) break;  // a real one may have had frames that nobody asked for
   }

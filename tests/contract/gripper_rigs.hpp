@@ -2,11 +2,13 @@
 
 #include <functional>
 #include <memory>
-#include <ostream>
-#include <string>
 
+#include "fake_clock.hpp"
 #include "graspd/output_gripper/output_gripper.hpp"
 #include "graspd/record/recording_arm.hpp"
+#include "graspd/simulated/sim_cell.hpp"
+#include "named.hpp"
+#include "scripted_cell.hpp"
 #include "temporary_folder.hpp"
 
 /// The grippers that `gripper_contract_test` runs on. Another one is a class that makes it, and its
@@ -20,20 +22,12 @@ class GripperRig {
   virtual agent::Gripper& gripper() = 0;
 };
 
-class NoSleep final : public agent::Clock {
- public:
-  std::chrono::nanoseconds now() override { return {}; }
-  void sleep_for(std::chrono::nanoseconds duration) override { slept += duration; }
-
-  std::chrono::nanoseconds slept{};
-};
-
 class OutputRig final : public GripperRig {
  public:
   agent::Gripper& gripper() override { return *gripper_; }
 
  private:
-  NoSleep clock_;
+  agent::fakes::FakeClock clock_;
   std::unique_ptr<agent::Gripper> gripper_ =
       output_gripper::make_gripper({.open = {"true"}, .close = {"true"}, .sensor = {"true"}},
                                    clock_)
@@ -50,20 +44,31 @@ class RecordingRig final : public GripperRig {
       record::RecordingArm::create(folder_.path() / "arm.jsonl", {}).value();
 };
 
-struct NamedGripperRig {
-  std::string name;
-  std::function<std::unique_ptr<GripperRig>()> make;
-};
-inline void PrintTo(const NamedGripperRig& rig, std::ostream* out) { *out << rig.name; }
+class SimulatedGripperRig final : public GripperRig {
+ public:
+  agent::Gripper& gripper() override { return cell_->gripper(); }
 
-template <class Rig>
-NamedGripperRig gripper_rig(const char* name) {
-  return {name, [] { return std::make_unique<Rig>(); }};
-}
+ private:
+  static sim_cell::Pile one_box() {
+    sim_cell::Pile pile;
+    pile.parts.push_back({0, at(0, 0, 0.02)});
+    return pile;
+  }
+
+  const std::vector<parts::Mesh> kinds_{box_mesh({0.01, 0.05, 0.04})};
+  /// The jaws about the thin box, which stands in the bin.
+  const std::unique_ptr<agent::SimCell> cell_ =
+      agent::SimCell::create(kinds_, one_box(), scripted_options(),
+                             agent::FloatingOptions{.T_base_out_of_view = down_at(0, 0, 0.01)})
+          .value();
+};
+
+using NamedGripperRig = Named<std::function<std::unique_ptr<GripperRig>()>>;
 
 inline const NamedGripperRig kGripperRigs[] = {
-    gripper_rig<OutputRig>("output"),
-    gripper_rig<RecordingRig>("record"),
+    {"output", make_rig<OutputRig>},
+    {"record", make_rig<RecordingRig>},
+    {"simulated", make_rig<SimulatedGripperRig>},
 };
 
 }  // namespace graspd::testing

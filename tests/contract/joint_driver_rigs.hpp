@@ -2,18 +2,20 @@
 
 #include <functional>
 #include <memory>
-#include <ostream>
-#include <string>
 
 #include "fake_controller.hpp"
 #include "graspd/agent/joint_driver.hpp"
 #include "graspd/simple_message/driver.hpp"
+#include "graspd/simulated/sim_cell.hpp"
+#include "motion_support.hpp"
+#include "named.hpp"
+#include "scripted_cell.hpp"
 #ifdef GRASPD_ROS
 #include "fake_ros_arm.hpp"
 #include "graspd/ros/driver.hpp"
 #endif
 
-/// The arms that `joint_driver_contract_test` runs on. Another one is a function that makes it, and
+/// The arms that `joint_driver_contract_test` runs on. Another one is a class that makes it, and
 /// its line in `kRigs`.
 namespace graspd::testing {
 
@@ -39,6 +41,26 @@ class SimpleMessageRig final : public JointDriverRig {
   std::unique_ptr<agent::JointDriver> driver_;
 };
 
+/// The Anno upright, far from the bin.
+class SimulatedRig final : public JointDriverRig {
+ public:
+  agent::JointDriver& driver() override { return cell_->joint_driver(); }
+
+ private:
+  static sim_cell::PhysicsCellOptions beside_the_bin() {
+    sim_cell::PhysicsCellOptions options = scripted_options();
+    options.bin.T_base_bin.translation().x() = 1;
+    options.place.T_base_bin.translation().x() = 1.4;
+    return options;
+  }
+
+  const std::vector<parts::Mesh> kinds_;
+  const std::unique_ptr<agent::SimCell> cell_ =
+      agent::SimCell::create(kinds_, {}, beside_the_bin(),
+                             agent::SimArm{anno(), {}, agent::Joints::Zero(6)})
+          .value();
+};
+
 #ifdef GRASPD_ROS
 class RosRig final : public JointDriverRig {
  public:
@@ -52,21 +74,13 @@ class RosRig final : public JointDriverRig {
 };
 #endif
 
-struct NamedRig {
-  std::string name;
-  std::function<std::unique_ptr<JointDriverRig>()> make;
-};
-inline void PrintTo(const NamedRig& rig, std::ostream* out) { *out << rig.name; }
-
-template <class Rig>
-NamedRig rig(const char* name) {
-  return {name, [] { return std::make_unique<Rig>(); }};
-}
+using NamedRig = Named<std::function<std::unique_ptr<JointDriverRig>()>>;
 
 inline const NamedRig kRigs[] = {
-    rig<SimpleMessageRig>("simple_message"),
+    {"simple_message", make_rig<SimpleMessageRig>},
+    {"simulated", make_rig<SimulatedRig>},
 #ifdef GRASPD_ROS
-    rig<RosRig>("ros"),
+    {"ros", make_rig<RosRig>},
 #endif
 };
 

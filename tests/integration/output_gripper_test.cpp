@@ -2,13 +2,18 @@
 
 #include <gmock/gmock.h>
 
-#include "../contract/gripper_rigs.hpp"
+#include <cmath>
+#include <fstream>
+
+#include "fake_clock.hpp"
+#include "temporary_folder.hpp"
 
 namespace graspd::output_gripper {
 namespace {
 
 using namespace std::chrono_literals;
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 class OutputGripperTest : public ::testing::Test {
@@ -33,7 +38,7 @@ class OutputGripperTest : public ::testing::Test {
   }
 
   testing::TemporaryFolder folder;
-  testing::NoSleep clock;
+  agent::fakes::FakeClock clock;
   GripperOptions options;
 };
 
@@ -42,7 +47,7 @@ TEST_F(OutputGripperTest, SetsTheLineAndGivesTheFingersTheirTime) {
   ASSERT_TRUE(gripper->open(0.05));
   ASSERT_TRUE(gripper->close());
   EXPECT_EQ(set(), "open\nclose\n");
-  EXPECT_EQ(clock.slept, 2 * options.settle);
+  EXPECT_THAT(clock.sleeps, ElementsAre(options.settle, options.settle));
 }
 
 TEST_F(OutputGripperTest, TellsTheWidthToWhoAsks) {

@@ -7,8 +7,8 @@
 #include "graspd/calibration/board.hpp"
 #include "graspd/types/frame.hpp"
 
-/// What a camera sees of a calibration board: computed ray by ray from its true pose, so that
-/// nothing of what is tested is used to make it.
+/// What a camera sees of a calibration board: computed ray by ray from its true pose, so that of
+/// what is tested only OpenCV's pattern is used to make it.
 namespace graspd::testing {
 
 struct BoardScene {

@@ -17,7 +17,7 @@ inline auto fields(FrameDescription& s) {
   return std::tie(a, b, c, d, e);
 }
 inline auto fields(DepthFrame& s) {
-  auto& [a, b, c] = s;
+  auto& [a, b, c, stays_in_the_cell] = s;
   return std::tie(a, b, c);
 }
 inline auto fields(Bin& s) {
@@ -49,8 +49,8 @@ inline auto fields(LastPlan& s) {
   return std::tie(a, b);
 }
 inline auto fields(FailedSpot& s) {
-  auto& [a, b, c] = s;
-  return std::tie(a, b, c);
+  auto& [a, b, c, d] = s;
+  return std::tie(a, b, c, d);
 }
 inline auto fields(PlanRequest& s) {
   auto& [a, b, c, d, e, f, g, h] = s;
@@ -88,9 +88,17 @@ inline auto fields(PlanAnswer& s) {
   auto& [a, b, c, d, e, f, g, h, i, j] = s;
   return std::tie(a, b, c, d, e, f, g, h, i, j);
 }
+inline auto fields(CodeCount& s) {
+  auto& [a, b] = s;
+  return std::tie(a, b);
+}
+inline auto fields(StageTotal& s) {
+  auto& [a, b, c] = s;
+  return std::tie(a, b, c);
+}
 inline auto fields(HealthAnswer& s) {
-  auto& [a, b, c, d, e, f, g, h] = s;
-  return std::tie(a, b, c, d, e, f, g, h);
+  auto& [a, b, c, d, e, f, g, h, i, j, k, l] = s;
+  return std::tie(a, b, c, d, e, f, g, h, i, j, k, l);
 }
 inline auto fields(PlanCall& s) {
   auto& [a, b] = s;

@@ -24,7 +24,7 @@ class RandomMessages {
   FrameDescription any_frame_description();
 
   PlanAnswer any_plan_answer();
-  HealthAnswer any_health_answer() { return any<HealthAnswer>(); }
+  HealthAnswer any_health_answer();
   Answer plan_answer() { return answer(any_plan_answer()); }
   Answer health_answer() { return answer(any_health_answer()); }
   Answer refusal();
@@ -171,6 +171,14 @@ inline PlanAnswer RandomMessages::any_plan_answer() {
   }
   for (Grasp& grasp : answer.grasps) lead_to_an_object(grasp.object_id);
   for (Grasp& grasp : answer.rejected_grasps) lead_to_an_object(grasp.object_id);
+  return answer;
+}
+
+inline HealthAnswer RandomMessages::any_health_answer() {
+  auto answer = any<HealthAnswer>();
+  for (CodeCount& count : answer.answers_by_code) {
+    if (count.code == Code::kUnavailable) count.code = Code::kBusy;  // never on the wire
+  }
   return answer;
 }
 

@@ -1,108 +1,17 @@
-#include <gmock/gmock.h>
-
 #include <future>
-#include <nlohmann/json.hpp>
 #include <random>
 
-#include "graspd/formats/bop.hpp"
+#include "agent_fixture.hpp"
 #include "graspd/keys/allow_list.hpp"
 #include "graspd/keys/key_files.hpp"
-#include "graspd/recordings/rawlog.hpp"
-#include "serve_process.hpp"
-#include "serve_scene.hpp"
 
-/// The real agent, at a real server, replaying recordings of bars on a floor.
 namespace graspd::testing {
 namespace {
 
-using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
-
-const Eigen::Vector3d kBar_m(0.08, 0.024, 0.02);
-const Eigen::Vector3d kStick_m(0.1, 0.03, 0.02);
-
-class AgentTest : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    shared_ = new Shared;
-    write_box_part(shared_->folder, "bar", 1, kBar_m * 1000);
-    write_box_part(shared_->folder, "stick", 2, kStick_m * 1000);
-    shared_->server = std::make_unique<ServeProcess>(
-        std::vector<std::string>{"--parts", shared_->folder.path() / "parts", "--workers", "1"});
-    ASSERT_TRUE(shared_->server->wait_ready());
-  }
-  static void TearDownTestSuite() {
-    delete shared_;
-    shared_ = nullptr;
-  }
-
-  /// A bar apart from the two others: the one to be picked first.
-  static std::vector<Block> three_bars() {
-    return {bar_at(-0.12, -0.07, 0.4, kBar_m), bar_at(0.08, 0.0, -0.3, kBar_m),
-            bar_at(0.1, 0.08, 0.9, kBar_m)};
-  }
-  static DepthFrame frame_of(const std::vector<Block>& blocks,
-                             const CameraIntrinsics& camera = kinect_v2()) {
-    return render(camera, kHeight_m, blocks);
-  }
-
-  std::filesystem::path write_bop(const std::vector<DepthFrame>& frames) {
-    BopSceneWriter scene(folder.path() / "scene");
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      BopImage image;
-      image.im_id = static_cast<int>(i);
-      image.frame = frames[i];
-      image.bin = BopBin{T_base_camera_above(kHeight_m).inverse(), {0.4, 0.3, 0.15}};
-      EXPECT_TRUE(scene.add(image));
-    }
-    EXPECT_TRUE(scene.finish());
-    return folder.path() / "scene";
-  }
-  std::filesystem::path write_rawlog(const std::vector<DepthFrame>& frames) {
-    const auto path = folder.path() / "frames.rawlog";
-    auto rawlog = RawlogWriter::create(path);
-    for (const DepthFrame& frame : frames) EXPECT_TRUE(rawlog->add(frame, 1e9));
-    return path;
-  }
-
-  /// \param more lines of the configuration
-  std::filesystem::path write_config(const std::string& kind,
-                                     const std::filesystem::path& recording,
-                                     const std::string& part, const std::string& more = "") {
-    return folder.write(
-        kind + "_cell.yaml",
-        fmt::format("cell: {0}\nservers: ['{1}']\nparts: [{{id: {2}}}]\nbudget_ms: 20000\n"
-                    "camera: {{kind: {0}, path: {3}}}\narm: {{path: {0}_arm.jsonl}}\n"
-                    "picks: {0}_picks.jsonl\noverlays: {0}_overlays\n"
-                    "T_base_place: [1, 0, 0, 0.4, 0, -1, 0, 0, 0, 0, -1, 0.1, 0, 0, 0, 1]\n{4}",
-                    kind, shared_->server->data_endpoint, part, recording.string(), more));
-  }
-  Finished agent(const std::filesystem::path& config, const std::string& more = "") const {
-    return run(fmt::format("{} run --config {} --out {} {}", ROBOT_AGENT, config.string(),
-                           folder.path().string(), more));
-  }
-  std::vector<json> lines(const std::string& file) const {
-    std::vector<json> lines;
-    std::ifstream stream(folder.path() / file);
-    for (std::string line; std::getline(stream, line);) lines.push_back(json::parse(line));
-    return lines;
-  }
-  static std::vector<std::string> all(const std::vector<json>& lines, const std::string& key) {
-    std::vector<std::string> values;
-    for (const json& line : lines) values.push_back(line.value(key, "-"));
-    return values;
-  }
-
-  TemporaryFolder folder;
-  struct Shared {
-    TemporaryFolder folder;
-    std::unique_ptr<ServeProcess> server;
-  };
-  static inline Shared* shared_ = nullptr;
-};
 
 TEST_F(AgentTest, PicksUntilTheBinIsEmpty) {
   const auto bars = three_bars();
@@ -111,11 +20,11 @@ TEST_F(AgentTest, PicksUntilTheBinIsEmpty) {
   EXPECT_EQ(finished.exit_code, 0) << finished.output;
   EXPECT_THAT(finished.output, HasSubstr("done, 2 parts placed: BIN_EMPTY"));
 
-  const std::vector<json> picks = lines("bop_picks.jsonl");
+  const std::vector<json> frames = picks("bop");
   // What is left has not moved: the server did not register it again.
-  EXPECT_THAT(all(picks, "outcome"), ElementsAre("PLANNED", "UNCHANGED", "BIN_EMPTY"));
-  EXPECT_THAT(all(picks, "verdict"), ElementsAre("PLACED", "PLACED", "-"));
-  const json& first = picks.at(0).at("grasp");
+  EXPECT_THAT(all(frames, "outcome"), ElementsAre("PLANNED", "UNCHANGED", "BIN_EMPTY"));
+  EXPECT_THAT(all(frames, "verdict"), ElementsAre("PLACED", "PLACED", "-"));
+  const json& first = frames.at(0).at("grasp");
   EXPECT_EQ(first.at("part"), "bar");
   EXPECT_NEAR(first.at("T_base_grasp").at(3).get<double>(), -0.12, 0.02) << "its x";
   EXPECT_NEAR(first.at("T_base_grasp").at(7).get<double>(), 0.07, 0.02) << "and y";
@@ -175,8 +84,8 @@ TEST_F(AgentTest, TwoCellsWithDifferentCamerasAndPartsAtTheSameTime) {
     EXPECT_EQ(finished.exit_code, 0) << finished.output;
     EXPECT_THAT(finished.output, HasSubstr("no more frames after 1"));
   }
-  EXPECT_EQ(lines("bop_picks.jsonl").at(0).at("grasp").at("part"), "bar");
-  const json stick = lines("rawlog_picks.jsonl").at(0);
+  EXPECT_EQ(picks("bop").at(0).at("grasp").at("part"), "bar");
+  const json stick = picks("rawlog").at(0);
   EXPECT_EQ(stick.at("objects"), 1);
   EXPECT_EQ(stick.at("grasp").at("part"), "stick");
   EXPECT_NEAR(stick.at("grasp").at("T_base_grasp").at(7).get<double>(), 0.05, 0.02);
@@ -189,7 +98,7 @@ TEST_F(AgentTest, ABadFrameIsSkippedAndNamed) {
   const Finished finished = agent(write_config("bop", scene, "bar", "retries: {pause_s: 0.01}\n"));
   EXPECT_EQ(finished.exit_code, 0) << finished.output;
   EXPECT_THAT(finished.output, HasSubstr("check the camera and its cover"));
-  EXPECT_THAT(all(lines("bop_picks.jsonl"), "code"), ElementsAre("INVALID_ARGUMENT", "OK"));
+  EXPECT_THAT(all(picks("bop"), "code"), ElementsAre("INVALID_ARGUMENT", "OK"));
 }
 
 TEST_F(AgentTest, ATruncatedRawlogGivesItsWholeFramesAndThenSaysWhereItBroke) {
@@ -203,7 +112,7 @@ TEST_F(AgentTest, ATruncatedRawlogGivesItsWholeFramesAndThenSaysWhereItBroke) {
   EXPECT_EQ(finished.exit_code, 1) << finished.output;
   EXPECT_THAT(finished.output,
               AllOf(HasSubstr(rawlog.string()), HasSubstr("broken after 1 frames")));
-  EXPECT_THAT(lines("rawlog_picks.jsonl"), SizeIs(1));
+  EXPECT_THAT(picks("rawlog"), SizeIs(1));
 }
 
 TEST_F(AgentTest, AServerThatIsNotThereIsNamed) {
@@ -214,7 +123,7 @@ TEST_F(AgentTest, AServerThatIsNotThereIsNamed) {
   EXPECT_EQ(finished.exit_code, 1);
   EXPECT_THAT(finished.output, AllOf(HasSubstr("UNAVAILABLE"), HasSubstr("tcp://127.0.0.1:9"),
                                      HasSubstr("2 failures in a row")));
-  EXPECT_THAT(all(lines("bop_picks.jsonl"), "code"), ElementsAre("UNAVAILABLE", "UNAVAILABLE"));
+  EXPECT_THAT(all(picks("bop"), "code"), ElementsAre("UNAVAILABLE", "UNAVAILABLE"));
 }
 
 TEST_F(AgentTest, AnUnknownPartStopsAtOnceAndSaysWhatThereIs) {
@@ -223,7 +132,7 @@ TEST_F(AgentTest, AnUnknownPartStopsAtOnceAndSaysWhatThereIs) {
   EXPECT_EQ(finished.exit_code, 1);
   EXPECT_THAT(finished.output, AllOf(HasSubstr("UNKNOWN_PART"), HasSubstr("bolt"), HasSubstr("bar"),
                                      HasSubstr("stick")));
-  EXPECT_THAT(lines("bop_picks.jsonl"), SizeIs(1));
+  EXPECT_THAT(picks("bop"), SizeIs(1));
 }
 
 TEST_F(AgentTest, FaultsInTheConfigurationAreAllNamedWithFileAndLine) {
@@ -231,14 +140,19 @@ TEST_F(AgentTest, FaultsInTheConfigurationAreAllNamedWithFileAndLine) {
                                    "cell: a\n"
                                    "parts: []\n"
                                    "camera: {kind: stereo, path: nowhere}\n"
-                                   "speed: 3\n");
+                                   "speed: 3\n"
+                                   "reactions: {on_bin_empty: stir, on_none_reachable: pray}\n"
+                                   "stir: {speed_share: 2}\n");
   const Finished finished = agent(config);
   EXPECT_EQ(finished.exit_code, 2);
   const std::string file = config.string();
   EXPECT_THAT(finished.output,
               AllOf(HasSubstr(file + ":2: 'parts' must name at least one part"),
                     HasSubstr(file + ":3: 'stereo' is no kind of camera; known: bop | rawlog"),
-                    HasSubstr(file + ":4: unknown key 'speed'"), HasSubstr("'T_base_place'")));
+                    HasSubstr(file + ":4: unknown key 'speed'"), HasSubstr("'T_base_place'"),
+                    HasSubstr(file + ":5: 'on_bin_empty' can't be stir"),
+                    HasSubstr(file + ":5: 'pray' is no reaction; known: stop | wait | stir | ask"),
+                    HasSubstr(file + ":6: 'speed_share' must be above 0")));
 }
 
 /// The reference file with every key that it comments out.

@@ -19,8 +19,12 @@ Finished demo(const std::string& environment) {
 
 TEST(DemoTest, ServesTwoCellsAndSaysWhereThePicturesAre) {
   const TemporaryFolder folder;
-  const Finished finished = demo(fmt::format("OUT={} BIN={}", folder.path().string(), PROGRAMS));
+  const Finished finished =
+      demo(fmt::format("PILE=4 OUT={} BIN={}", folder.path().string(), PROGRAMS));
   ASSERT_EQ(finished.exit_code, 0) << finished.output;
+  EXPECT_THAT(finished.output, HasSubstr("simulated_tees     0  PLANNED"));
+  EXPECT_THAT(finished.output, HasSubstr("picks per hour"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "simulated_tees.gif"));
   for (const std::string cell : {"tees", "elbows"}) {
     const std::regex frame_line("\n" + cell + R"( +\d+  [A-Z_]+ )");
     const std::sregex_iterator lines(finished.output.begin(), finished.output.end(), frame_line);
@@ -30,6 +34,9 @@ TEST(DemoTest, ServesTwoCellsAndSaysWhereThePicturesAre) {
     EXPECT_THAT(finished.output, HasSubstr(picture.string()));
     EXPECT_THAT(finished.output, HasSubstr("Cell " + cell + ", frame 0: ranked grasps"));
   }
+  EXPECT_THAT(finished.output,
+              ::testing::ContainsRegex("metrics at http://127.0.0.1:[0-9]+/metrics"));
+  EXPECT_THAT(finished.output, ::testing::ContainsRegex("stage +runs +mean ms"));
   for (const std::string recording : {"kinect_tees", "realsense_elbows"}) {
     EXPECT_THAT(finished.output, HasSubstr("Left out: /nowhere/" + recording));
   }

@@ -127,6 +127,25 @@ TEST_F(GraspTest, HealthOnBothEndpoints) {
   EXPECT_THAT(partly.output, HasSubstr("ready"));
 }
 
+TEST_F(GraspTest, StatsSaysWhatTheServerHasDone) {
+  grasp(question("bars.png") + "--part bar");
+  grasp(question("bars.png") + "--part gizmo");
+  const Finished once =
+      grasp("stats --once --server " + server_->data_endpoint + " --server tcp://127.0.0.1:1");
+  EXPECT_EQ(once.exit_code, 3) << "one does not answer";
+  EXPECT_THAT(once.output, AllOf(HasSubstr(server_->data_endpoint + "  ready"),
+                                 HasSubstr("tcp://127.0.0.1:1"), HasSubstr("UNAVAILABLE")));
+  EXPECT_THAT(once.output, ::testing::ContainsRegex("registration +[1-9][0-9]* +[0-9.]+\n"));
+  EXPECT_EQ(grasp("stats --once --server " + server_->control_endpoint).exit_code, 0);
+  // Live: a table each time, until told to end; no escape codes where no terminal is.
+  const Finished live = run("timeout 2 " + std::string(GRASP) +
+                            " stats --interval-ms 100 --server " + server_->control_endpoint);
+  const std::regex header("plans/s");
+  EXPECT_GE(std::distance(std::sregex_iterator(live.output.begin(), live.output.end(), header), {}),
+            2);
+  EXPECT_THAT(live.output, Not(HasSubstr("\033")));
+}
+
 TEST_F(GraspTest, TheClientLibrarysExampleRuns) {
   const Finished example = run(std::string(CLIENT_EXAMPLE) + " " + server_->data_endpoint + " " +
                                path("camera.yaml") + " " + path("bars.png") + " bar");

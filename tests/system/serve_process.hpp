@@ -39,17 +39,17 @@ inline Finished run(const std::string& command) {
 }
 
 /// `grasp_server serve …`, on free ports and without keys unless the arguments say otherwise; ended
-/// at the end, if it still runs.
+/// at the end, if it still runs. Its log goes into `log`, where that is said.
 class ServeProcess {
  public:
-  explicit ServeProcess(std::vector<std::string> arguments) {
+  explicit ServeProcess(std::vector<std::string> arguments, const std::string& log = {}) {
     const auto say_unless = [&](const std::string& said, const std::vector<std::string>& words) {
       if (std::find(arguments.begin(), arguments.end(), said) != arguments.end()) return;
       arguments.insert(arguments.end(), words.begin(), words.end());
     };
     say_unless("--endpoint", {"--endpoint", "tcp://127.0.0.1:0"});
     say_unless("--control-endpoint", {"--control-endpoint", "tcp://127.0.0.1:0"});
-    say_unless("--log-level", {"--log-level", "warning"});
+    say_unless("--log-level", {"--log-level", log.empty() ? "warning" : "info"});
     say_unless("--key", {"--insecure"});
     arguments.insert(arguments.begin(), {GRASP_SERVER, "serve"});
     int output[2];
@@ -57,6 +57,7 @@ class ServeProcess {
     pid_ = fork();
     if (pid_ == 0) {
       dup2(output[1], STDOUT_FILENO);
+      if (!log.empty()) dup2(open(log.c_str(), O_CREAT | O_WRONLY, 0600), STDERR_FILENO);
       std::vector<char*> words;
       for (std::string& argument : arguments) words.push_back(argument.data());
       words.push_back(nullptr);
@@ -79,7 +80,8 @@ class ServeProcess {
 
   /// Reads the line that says where it listens. \returns false where it ended instead.
   bool wait_ready() {
-    static const std::regex line(R"(grasp_server ready: data (\S+), control (\S+), [^\n]*\n)");
+    static const std::regex line(
+        R"(grasp_server ready: data (\S+), control (\S+), [^\n]*?(?:, metrics (\S+)/metrics)?\n)");
     std::string text;
     std::smatch match;
     char byte = 0;
@@ -89,6 +91,7 @@ class ServeProcess {
     }
     data_endpoint = match[1];
     control_endpoint = match[2];
+    http_url = match[3];
     return true;
   }
   void kill(int signal) const { ::kill(pid_, signal); }
@@ -111,6 +114,7 @@ class ServeProcess {
 
   std::string data_endpoint;
   std::string control_endpoint;
+  std::string http_url;  ///< empty where there is no HTTP
 
  private:
   pid_t pid_ = -1;

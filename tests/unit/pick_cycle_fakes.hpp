@@ -4,29 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "fake_clock.hpp"
 #include "graspd/agent/pick_cycle.hpp"
 
 /// A scripted cell: every port does what the script says and writes down what it was told.
 namespace graspd::agent::fakes {
 
-class FakeClock final : public Clock {
- public:
-  std::chrono::nanoseconds now() override { return now_; }
-  void sleep_for(std::chrono::nanoseconds duration) override {
-    sleeps.push_back(std::chrono::duration_cast<std::chrono::milliseconds>(duration));
-    now_ += duration;
-  }
-  void advance(std::chrono::nanoseconds duration) { now_ += duration; }
-
-  std::vector<std::chrono::milliseconds> sleeps;
-
- private:
-  std::chrono::nanoseconds now_{1};
-};
-
 inline DepthFrame frame_of(std::uint16_t depth) {
   DepthFrame frame;
-  frame.camera = {8, 8, 10, 10, 4, 4, {}};
+  frame.camera = {8, 8, 1000, 1000, 4, 4, {}};  // 1 mm a pixel
   frame.depth.assign(64, depth);
   return frame;
 }
@@ -58,6 +44,7 @@ class FakePlanner final : public Planner {
     clock_.advance(80ms);
     frames.push_back(frame);
     requests.push_back(request);
+    if (script.empty()) throw std::runtime_error("no script");
     auto answer = std::move(script.front());
     script.pop_front();
     return {"0123", std::move(answer)};
@@ -78,8 +65,10 @@ class FakeRobot final : public Arm, public Gripper {
 
   void set_surroundings(const Surroundings& now) override { surroundings = now; }
   std::optional<std::string> why_not(std::span<const Motion> path) override {
+    knew_surroundings = !surroundings.p_base_m.empty();
     for (const Motion& motion : path) {
-      if (motion.T_base_grasp.translation().norm() > reach_m) {
+      const bool is_too_far = motion.T_base_grasp.translation().norm() > reach_m;
+      if (is_too_far || name_of(motion.step) == cannot) {
         return fmt::format("{} is out of reach", name_of(motion.step));
       }
     }
@@ -92,21 +81,40 @@ class FakeRobot final : public Arm, public Gripper {
   Result<void> move_out_of_view() override { return told("out_of_view"); }
   void stop() override { told_all.push_back("stop"); }
   Result<void> open(double opening_width_m) override {
+    closed_ = false;
     return told(fmt::format("open {:.3f}", opening_width_m));
   }
-  Result<void> close() override { return told("close"); }
+  Result<void> close() override {
+    closed_ = true;
+    return told("close");
+  }
+  /// As the script says; after its end, what a good gripper says. Every other reading repeats the
+  /// one before.
   Result<bool> holds_something() override {
+    if (!readings.empty()) {
+      const bool held = readings.front();
+      readings.pop_front();
+      return held;
+    }
+    if (std::exchange(is_second_reading_, !is_second_reading_)) return held_;
     if (const auto ok = told("holds?"); !ok) return tl::unexpected(ok.error());
-    if (holds.empty()) return true;
-    const bool held = holds.front();
-    holds.pop_front();
-    return held;
+    if (closed_ && !holds.empty()) {
+      held_ = holds.front();
+      holds.pop_front();
+    } else {
+      held_ = closed_;
+    }
+    return held_;
   }
 
   Surroundings surroundings;
+  bool knew_surroundings = false;  ///< when it was last asked for a way
   double reach_m = 10;
-  std::deque<bool> holds;  ///< answers of the gripper; true after the last
-  std::string fails_at;    ///< the order that fails, "close" or the like
+  std::string cannot;         ///< the motion that it has no way for
+  std::deque<bool> holds;     ///< whether the closed gripper does, asked twice each; then it does
+  std::deque<bool> readings;  ///< of the gripper's sensor, one by one; before `holds`
+  std::string fails_at;       ///< the order that fails, "close" or the like
+  std::string throws_at;      ///< … that throws
   std::vector<std::string> told_all;
   std::vector<Motion> motions;
 
@@ -115,17 +123,35 @@ class FakeRobot final : public Arm, public Gripper {
     using namespace std::chrono_literals;
     clock_.advance(100ms);
     told_all.push_back(order);
+    if (order == throws_at) throw std::runtime_error(order + ": the socket is gone");
     if (order == fails_at) return fail(Code::kInternal, "the {} motor is hot", order);
     return {};
   }
 
   FakeClock& clock_;
+  bool closed_ = false;
+  bool held_ = false;
+  bool is_second_reading_ = false;
+};
+
+class FakeOperator final : public Operator {
+ public:
+  OperatorSays ask(const std::string& what) override {
+    asked.push_back(what);
+    if (script.empty()) throw std::runtime_error("nobody answers");
+    const OperatorSays answer = script.front();
+    script.pop_front();
+    return answer;
+  }
+
+  std::deque<OperatorSays> script;
+  std::vector<std::string> asked;
 };
 
 class FakeObserver final : public Observer {
  public:
   void planned(std::uint64_t frame_n, const DepthFrame&, const PlanRequest&,
-               const PlanAnswer&) override {
+               const Result<PlanAnswer>&) override {
     planned_frames.push_back(frame_n);
   }
   void finished(const PickRecord& record) override { records.push_back(record); }

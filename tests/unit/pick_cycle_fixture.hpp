@@ -71,7 +71,9 @@ class PickCycleTest : public testing::Test {
     }
   }
 
-  PickCycle make_cycle() { return {{camera, planner, robot, robot, clock}, task, observer}; }
+  PickCycle make_cycle() {
+    return {{camera, planner, robot, robot, clock, &person}, task, observer};
+  }
 
   /// Runs to the end. \returns the states, the first one included.
   std::vector<std::string> run() {
@@ -88,6 +90,7 @@ class PickCycleTest : public testing::Test {
   fakes::FakeCamera camera{clock};
   fakes::FakePlanner planner{clock};
   fakes::FakeRobot robot{clock};
+  fakes::FakeOperator person;
   Task task;
   fakes::FakeObserver observer;
   const std::vector<PickRecord>& records = observer.records;

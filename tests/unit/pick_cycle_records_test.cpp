@@ -51,13 +51,22 @@ TEST_F(RecordsTest, TheArmWritesDownTheFramesAndThenWhatItIsTold) {
   for (const json& line : lines) {
     if (line.value("pick", 0) == 2) steps.push_back(line.at("step"));
   }
-  EXPECT_THAT(steps, ElementsAre("pre_grasp", "open", "approach", "close", "lift", "transfer",
+  EXPECT_THAT(steps, ElementsAre("open", "pre_grasp", "approach", "close", "lift", "transfer",
                                  "place", "release", "retreat", "out_of_view"));
   const json& approach = lines.at(4);
   EXPECT_EQ(approach.at("path"), "straight");
   ASSERT_THAT(approach.at("T_base_grasp"), SizeIs(16));
   EXPECT_NEAR(approach.at("T_base_grasp").at(3).get<double>(), 0.1, 1e-12);  // x of object 1
-  EXPECT_EQ(lines.at(3).at("opening_width_m"), 0.044);
+  EXPECT_EQ(lines.at(2).at("opening_width_m"), 0.044);
+}
+
+TEST_F(RecordsTest, AfterTheClosedGripperStirredAPickStillBeginsByOpeningIt) {
+  auto arm = RecordingArm::create(arm_path(), {}).value();
+  ASSERT_TRUE(arm.close());
+  ASSERT_TRUE(arm.move({.step = agent::Step::kStirUp}));
+  ASSERT_TRUE(arm.open(0.04));
+  EXPECT_EQ(read_lines(arm_path()).back().at("step"), "open");
+  EXPECT_EQ(read_lines(arm_path()).back().at("pick"), 1);
 }
 
 TEST_F(RecordsTest, AnArmWithoutAFileIsNamed) {
@@ -92,7 +101,7 @@ TEST_F(RecordsTest, APickBecomesOneLineOfJson) {
   EXPECT_EQ(pick.at("grasp").at("grs").at("grs"), 1.0);
   EXPECT_EQ(pick.at("verdict"), "PLACED");
   EXPECT_EQ(pick.at("ms").at("plan"), 80);
-  EXPECT_EQ(pick.at("ms").at("place"), 500);
+  EXPECT_EQ(pick.at("ms").at("place"), 600);
   EXPECT_EQ(pick.at("ms").at("server").at("registration"), 42e-6);
   EXPECT_FALSE(pick.contains("message"));
 }

@@ -141,7 +141,7 @@ TEST_F(Ranking, AFailedSpotComesLastAndItsObjectsOtherGraspsJustBefore) {
   std::mt19937 random(5);
   make_pile(random);
   const Grasp best = ranked().front();
-  request_.failed_spots = {{best.T_base_grasp.translation(), 0.005, 2}};
+  request_.failed_spots = {{best.T_base_grasp.translation(), 0.005, 2, {}}};
   const auto again = ranked();
   const auto own_n = std::ranges::count(grasps_, best.object_id, &Grasp::object_id);
   const auto failed_n = std::ranges::count_if(grasps_, [&](const Grasp& grasp) {

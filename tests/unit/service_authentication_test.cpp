@@ -1,13 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/syscall.h>
 
-#include <csignal>
 #include <fstream>
 
-#include "service_front_support.hpp"
+#include "service_authentication_support.hpp"
 #include "service_raw_client.hpp"
-#include "temporary_folder.hpp"
 
 // A front with keys: who comes in, and what of those who don't.
 namespace graspd::service {
@@ -15,54 +12,10 @@ namespace {
 
 using client::Client;
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-class AuthenticationTest : public ::testing::Test {
- protected:
-  AuthenticationTest()
-      : server_(keys::make_key_pair("server")), tees_(keys::make_key_pair("tees")) {
-    allow(tees_);
-  }
-
-  std::filesystem::path list() const { return folder_.path() / "allowed_cells"; }
-  void allow(const keys::KeyPair& pair) const {
-    const auto allowed = keys::allow(list(), {pair.cell, pair.public_key});
-    ASSERT_TRUE(allowed) << allowed.error().message;
-  }
-  void disallow(const std::string& cell) const { ASSERT_TRUE(keys::revoke(list(), cell)); }
-
-  ServerConfig config() const {
-    ServerConfig config = scripted_config(1);
-    config.insecure = false;
-    config.allowed_cells = list();
-    return config;
-  }
-  auto with_keys() const {
-    return [this](FrontOptions& options) {
-      options.authentication = Authentication{server_, keys::AllowList::read(list()).value()};
-    };
-  }
-  client::ClientOptions options_with(const keys::KeyPair& own) const {
-    client::ClientOptions options = options_of(own.cell);
-    options.keys = keys::ClientKeys{server_.public_key, own};
-    return options;
-  }
-  static Result<PlanAnswer> plan(Client& client) {
-    return client.plan(example_frame(), example_request(), kBudget);
-  }
-  /// Asks until it is let in, or isn't any more.
-  static void wait_until(Client& client, bool let_in) {
-    while (plan(client).has_value() != let_in) {
-    }
-  }
-
-  testing::TemporaryFolder folder_;
-  keys::KeyPair server_;
-  keys::KeyPair tees_;
-  ThreadLauncher launcher_ = threads();
-};
 
 TEST_F(AuthenticationTest, AnAllowedKeyIsServedOnBothSockets) {
   RunningFront front(config(), launcher_, with_keys());
@@ -103,8 +56,9 @@ TEST_F(AuthenticationTest, APlainClientIsRefusedAndNothingItSendsIsRead) {
   Client plain({front.data_endpoint}, options_of("tees"));
   const auto refused = plan(plain);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, Code::kUnauthenticated);
-  EXPECT_THAT(refused.error().message, HasSubstr("lets in nobody without a key"));
+  // Who notices first that there is no common mechanism, hangs up on the other.
+  EXPECT_THAT(refused.error().code, AnyOf(Code::kUnauthenticated, Code::kUnavailable));
+  EXPECT_THAT(refused.error().message, HasSubstr("server_key"));
   Client good({front.data_endpoint}, options_with(tees_));
   EXPECT_TRUE(plan(good));
   EXPECT_FALSE(raw.answered_within(std::chrono::milliseconds(0)));
@@ -117,8 +71,9 @@ TEST_F(AuthenticationTest, AClientWithKeysDoesNotTalkToAServerWithout) {
   Client client({front.data_endpoint}, options_with(tees_));
   const auto refused = plan(client);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, Code::kUnauthenticated);
-  EXPECT_THAT(refused.error().message, HasSubstr("does not use keys"));
+  EXPECT_THAT(refused.error().code, AnyOf(Code::kUnauthenticated, Code::kUnavailable));
+  EXPECT_THAT(refused.error().message,
+              AnyOf(HasSubstr("does not use keys"), HasSubstr("is its public key the one")));
 }
 
 TEST_F(AuthenticationTest, AClientDoesNotTalkToAServerWithAnotherKey) {
@@ -222,22 +177,6 @@ TEST_F(AuthenticationTest, ABrokenLineOfTheListIsLoggedAndTheRestIsKept) {
   EXPECT_THAT(front.log(), Contains(HasSubstr("allowed_cells:4: is no line")));
   Client client({front.data_endpoint}, options_with(tees_));
   EXPECT_TRUE(plan(client));
-}
-
-/// Ends the thread that answers libzmq, as a crash of that thread alone would.
-void kill_zap_thread() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { syscall(SYS_exit, 0); };
-  sigaction(SIGUSR1, &action, nullptr);
-  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::string name;
-    std::getline(std::ifstream(task.path() / "comm"), name);
-    if (name != "zap") continue;
-    syscall(SYS_tgkill, getpid(), std::stoi(task.path().filename()), SIGUSR1);
-    while (std::filesystem::exists(task.path())) std::this_thread::yield();
-    return;
-  }
-  FAIL() << "there is no thread named zap";
 }
 
 TEST_F(AuthenticationTest, WithoutTheThreadNobodyIsLetInAndTheServerIsNotReady) {

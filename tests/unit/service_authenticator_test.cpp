@@ -47,6 +47,23 @@ TEST_F(AuthenticatorTest, FailsItsTestOnASocketThatLetsEverybodyIn) {
   EXPECT_THAT(tested.error().message, HasSubstr("lets in a client whose key nobody has allowed"));
 }
 
+TEST_F(AuthenticatorTest, CountsEveryRefusalButNamesFewOfMany) {
+  Authenticator authenticator(context_, server_, {});
+  const zmq::socket_t socket = bound_router(&authenticator);
+  const keys::KeyPair stranger = keys::make_key_pair("stranger");
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_EQ(try_handshake(endpoint_of(socket), server_.public_key, stranger),
+              Handshake::kRefused);
+  }
+  ASSERT_TRUE(authenticator.test(endpoint_of(socket)));
+  const Authenticator::News news = authenticator.news();
+  EXPECT_EQ(news.refused_n, 20u) << "its own test is none";
+  ASSERT_EQ(news.notices.size(), 9u);
+  EXPECT_THAT(news.notices.front(), HasSubstr("a client at 127.0.0.1 was refused"));
+  EXPECT_EQ(news.notices.back(), "12 more clients were refused");
+  EXPECT_EQ(authenticator.news().refused_n, 0u);
+}
+
 TEST_F(AuthenticatorTest, WhatItProtectedStaysClosedWhenItIsGone) {
   auto authenticator = std::make_unique<Authenticator>(context_, server_, keys::AllowList());
   const zmq::socket_t socket = bound_router(authenticator.get());

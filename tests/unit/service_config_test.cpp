@@ -92,6 +92,9 @@ TEST_F(ConfigTest, WhatIsWrittenReadsBackTheSame) {
   config.parts = "/somewhere/with \"quotes\" and: colons";
   config.workers_n = 5;
   config.log_level = LogLevel::kOff;
+  config.record_failed = "/somewhere/failed";
+  config.http_endpoint = "tcp://0.0.0.0:9464";
+  config.http_expose = true;
   config.perception.segmentation.method = Segmentation::kEuclidean;
   config.perception.segmentation.eps_m = 0.1 / 3;
   config.perception.grs.order = GraspOrder::kAscending;
@@ -195,6 +198,16 @@ TEST(ConfigRules, EndpointsThatAreNone) {
         "tcp://127.0.0.1:port", "udp://1.2.3.4:5", "ipc://"}) {
     EXPECT_FALSE(parse_endpoint(endpoint)) << endpoint;
   }
+}
+
+TEST(ConfigRules, HttpListensOnTcpAndBeyondThisMachineOnlyWhereThatIsSaid) {
+  ServerConfig config = with_keys();
+  config.http_endpoint = "ipc:///run/graspd/http";
+  EXPECT_THAT(validate(config).error().message, HasSubstr("HTTP needs tcp://HOST:PORT"));
+  config.http_endpoint = "tcp://0.0.0.0:9464";
+  EXPECT_THAT(validate(config).error().message, HasSubstr("expose: true"));
+  config.http_expose = true;
+  EXPECT_TRUE(validate(config));
 }
 
 TEST(ConfigRules, NumbersOutOfRange) {

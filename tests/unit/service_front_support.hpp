@@ -18,6 +18,12 @@ inline ThreadLauncher threads(PlanHandler handler = scripted_plan) {
   return {std::move(handler), kScriptedServer};
 }
 
+inline ServerConfig with_http(std::uint32_t workers_n) {
+  ServerConfig config = scripted_config(workers_n);
+  config.http_endpoint = "tcp://127.0.0.1:0";
+  return config;
+}
+
 inline client::ClientOptions options_of(const std::string& cell, std::uint32_t max_attempts_n = 3) {
   client::ClientOptions options;
   options.cell = cell;

@@ -179,21 +179,6 @@ TEST(Front, AnswersThatAreTooLargeLoseWhatWasAskedOnTop) {
   EXPECT_THAT(largest.error().message, HasSubstr("bytes"));
 }
 
-TEST(Front, LogsOneLinePerRequest) {
-  ThreadLauncher launcher = threads();
-  RunningFront front(scripted_config(0), launcher);
-  Client client({front.data_endpoint}, options_of("cell_7"));
-  ASSERT_TRUE(client.plan(example_frame(), example_request({"echo", "other"}), kBudget));
-  const auto log = front.log();
-  const auto line = std::find_if(log.begin(), log.end(), [](const std::string& text) {
-    return text.find("code=OK") != std::string::npos;
-  });
-  ASSERT_NE(line, log.end());
-  EXPECT_THAT(*line, ::testing::MatchesRegex("id=[0-9a-f]+ attempt=1 cell=cell_7 parts=echo,other "
-                                             "code=OK outcome=PLANNED objects=2 grasps=0 "
-                                             "queue_ms=[0-9.]+ total_ms=[0-9.]+"));
-}
-
 TEST(Front, AnEndpointInUseIsNamedWithWhatToDo) {
   ThreadLauncher launcher = threads();
   RunningFront front(scripted_config(0), launcher);

@@ -3,6 +3,8 @@
 
 #include <atomic>
 
+#include "http_get.hpp"
+#include "metrics_text.hpp"
 #include "service_front_support.hpp"
 #include "temporary_folder.hpp"
 
@@ -11,10 +13,12 @@ namespace graspd::service {
 namespace {
 
 using client::Client;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
 const ServerInfo kNewServer{"scripted", "catalogue-2", "config"};
+const std::string kNewPartsInForce = fmt::format("{} parts in force", kScriptedParts.size() + 1);
 
 /// Facts and workers of a catalogue that has one part more.
 NewParts new_parts(PlanHandler handler = scripted_plan, ServerInfo server = kNewServer) {
@@ -40,7 +44,7 @@ TEST(Reload, NewPartsComeIntoForce) {
   Client client({front.data_endpoint});
   EXPECT_EQ(plan(client, "novelty").error().code, Code::kUnknownPart);
   front.reload();
-  front.wait_for_log("10 parts in force");
+  front.wait_for_log(kNewPartsInForce);
   const auto answer = plan(client, "novelty");
   ASSERT_TRUE(answer) << answer.error().message;
   EXPECT_EQ(answer->server.catalogue_hash, "catalogue-2");
@@ -48,6 +52,25 @@ TEST(Reload, NewPartsComeIntoForce) {
   EXPECT_EQ(health->server.catalogue_hash, "catalogue-2");
   EXPECT_THAT(health->part_ids, Contains("novelty"));
   EXPECT_EQ(health->workers_n, 2u);
+}
+
+TEST(Reload, MetricsTellOfTheNewParts) {
+  ThreadLauncher launcher = threads();
+  RunningFront front(with_http(1), launcher, loading([] { return new_parts(); }));
+  front.wait_ready();
+  front.reload();
+  front.wait_for_log(kNewPartsInForce);
+  Client client({front.data_endpoint});
+  ASSERT_TRUE(plan(client, "novelty"));
+  const auto metrics = testing::parse_metrics(testing::http_get(front.http_url, "/metrics").body);
+  EXPECT_EQ(metrics.at("graspd_planned_parts_total{part=\"novelty\"}"), 1);
+  EXPECT_EQ(metrics.at("graspd_planned_parts_total{part=\"echo\"}"), 0);
+  const auto builds = [&](const std::string& catalogue) {
+    return metrics.series.count("graspd_build_info{build=\"scripted\",catalogue_hash=\"" +
+                                catalogue + "\",config_hash=\"config\"}");
+  };
+  EXPECT_EQ(builds("catalogue-2"), 1u);
+  EXPECT_EQ(builds("catalogue"), 0u) << "a server has one build";
 }
 
 TEST(Reload, WhatWasAcceptedIsFinishedAndTheNewWorkersDoNotWaitForIt) {
@@ -68,6 +91,9 @@ TEST(Reload, WhatWasAcceptedIsFinishedAndTheNewWorkersDoNotWaitForIt) {
   const auto first = running.get();
   ASSERT_TRUE(first) << first.error().message;
   EXPECT_EQ(first->server.catalogue_hash, "catalogue");
+  EXPECT_THAT(front.log(), Contains(AllOf(HasSubstr("\"code\":\"OK\""),
+                                          HasSubstr("\"catalogue_hash\":\"catalogue\""))))
+      << "the log says what it was computed with, not what is in force";
 }
 
 TEST(Reload, HealthIsAnsweredWhileThePartsLoad) {
@@ -84,7 +110,7 @@ TEST(Reload, HealthIsAnsweredWhileThePartsLoad) {
   EXPECT_EQ(client.health(kBudget).at(0).health->state, ServerState::kReady);
   EXPECT_TRUE(plan(client));
   loaded.set_value();
-  front.wait_for_log("10 parts in force");
+  front.wait_for_log(kNewPartsInForce);
 }
 
 TEST(Reload, ABadCatalogueKeepsTheOldOneAndSaysWhy) {

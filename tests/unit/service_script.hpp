@@ -15,7 +15,7 @@
 namespace graspd::service {
 
 inline const std::vector<std::string> kScriptedParts{
-    "crash", "echo", "hang", "hungry", "large", "larger", "largest", "other", "throw"};
+    "crash", "echo", "hang", "hungry", "large", "larger", "largest", "other", "spin", "throw"};
 inline const ServerInfo kScriptedServer{"scripted", "catalogue", "config"};
 
 /// About `bytes` of outline on the wire, for what clients ask for on top.
@@ -30,11 +30,13 @@ inline std::vector<Grasp> long_rejected_grasps() {
 }
 
 inline Result<PlanAnswer> scripted_plan(const DepthFrame& frame, const PlanRequest& request,
-                                        std::chrono::steady_clock::time_point /*deadline*/) {
+                                        std::chrono::steady_clock::time_point deadline) {
   const std::string& script = request.parts.at(0).id;
   PlanAnswer answer;
   if (script == "crash") std::raise(SIGKILL);
   while (script == "hang") pause();
+  while (script == "spin" && std::chrono::steady_clock::now() < deadline) {
+  }
   if (script == "hungry") answer.reason = std::to_string(std::vector<char>(1U << 30).size());
   if (script == "throw") throw std::runtime_error("the script says so");
   // What the request was, so that an answer to another one shows.

@@ -78,6 +78,7 @@ class RunningFront {
         front_(options(config, change), launcher) {
     data_endpoint = front_.data_endpoint();
     control_endpoint = front_.control_endpoint();
+    http_url = front_.http_url();
     thread_ = std::thread([this] {
       try {
         front_.run();
@@ -119,6 +120,7 @@ class RunningFront {
 
   std::string data_endpoint;
   std::string control_endpoint;
+  std::string http_url;
 
  private:
   FrontOptions options(const ServerConfig& config,

@@ -93,7 +93,9 @@ TEST(Garbage, OverSizeIsRefusedBeforeItIsParsed) {
   const auto refused = codec::decode_request(as_bytes(filled_to(kMaxRequestEnvelope_bytes + 1)));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::kInvalidArgument);
-  EXPECT_NE(refused.error().message.find("16385 bytes; at most 16384"), std::string::npos);
+  EXPECT_NE(refused.error().message.find(fmt::format(
+                "{} bytes; at most {}", kMaxRequestEnvelope_bytes + 1, kMaxRequestEnvelope_bytes)),
+            std::string::npos);
   const auto refused_answer =
       codec::decode_answer(as_bytes(std::string(kMaxAnswer_bytes + 1, 'x')));
   ASSERT_FALSE(refused_answer);
@@ -139,9 +141,10 @@ TEST(SalvageRequestId, IsZeroWhereThereIsNone) {
 }
 
 TEST(SalvageRequestId, LooksNoFurtherThanTheLargestEnvelope) {
-  const std::string sixteen_kib = "\xc2\x3e\x80\x80\x01" + std::string(16384, 'x');  // field 1000
+  const std::string largest =
+      "\xc2\x3e\x80\x80\x08" + std::string(kMaxRequestEnvelope_bytes, 'x');  // field 1000
   const std::string bytes = codec::encode_request(RandomMessages(8).health_request());
-  EXPECT_EQ(codec::salvage_request_id(as_bytes(sixteen_kib + bytes)), RequestId{});
+  EXPECT_EQ(codec::salvage_request_id(as_bytes(largest + bytes)), RequestId{});
 }
 
 }  // namespace

@@ -84,12 +84,21 @@ Request plan_request() {
                                          .visible_fraction = 0.5},
                                         {.id = 0, .part_id = "elbow"}},
                             .picked_object_id = 0};
-  plan.failed_spots = {{.p_base_m = {0.3, 0.01, 0.05}, .radius_m = 0.015, .failures_n = 2}};
+  plan.failed_spots = {
+      {.p_base_m = {0.3, 0.01, 0.05}, .radius_m = 0.015, .failures_n = 2, .reason = {}}};
   return {.id = id_from(1),
           .attempt = 2,
           .cell = "cell-1",
           .budget_ms = 1500,
           .call = PlanCall{frame, plan}};
+}
+
+/// With why a spot is to be avoided.
+Request reason_request() {
+  Request request = plan_request();
+  std::get<PlanCall>(request.call).plan.failed_spots[0].reason =
+      "joint 4 would turn to 95°, beyond its limit";
+  return request;
 }
 
 Request crop_box_request() {
@@ -208,6 +217,17 @@ Answer health_answer() {
                                .server = kServer}};
 }
 
+/// With what the server counts.
+Answer stats_answer() {
+  Answer answer = health_answer();
+  auto& health = std::get<HealthAnswer>(answer.body);
+  health.answers_by_code = {{Code::kOk, 4'000'000'000}, {Code::kBusy, 12}};
+  health.stages = {{"queue", 7, 1'200'000}, {"registration", 7, 560'000'000}};
+  health.workers_lost_n = 3;
+  health.memory_bytes = 5'000'000'000;
+  return answer;
+}
+
 Answer refusal() {
   return {.id = id_from(1),
           .code = Code::kBusy,
@@ -243,13 +263,15 @@ void expect_golden(const std::string& name, const Message& content, Encode encod
 std::map<std::string, Request> requests() {
   return {{"0.1.0_crop_box_request", crop_box_request()},
           {"0.1.0_health_request", health_request()},
-          {"0.1.0_plan_request", plan_request()}};
+          {"0.1.0_plan_request", plan_request()},
+          {"0.1.0_reason_request", reason_request()}};
 }
 
 std::map<std::string, Answer> answers() {
   return {{"0.1.0_health_answer", health_answer()},
           {"0.1.0_plan_answer", plan_answer()},
           {"0.1.0_refusal", refusal()},
+          {"0.1.0_stats_answer", stats_answer()},
           {"0.1.0_pile_answer", pile_answer()}};
 }
 

@@ -21,6 +21,15 @@ TEST(Json, HasTheNamesOfTheSchema) {
   EXPECT_THAT(codec::to_json(random.any_health_answer(), false), HasSubstr(R"("workers_busy_n":)"));
 }
 
+TEST(Json, SaysWhatWasAskedFor) {
+  PlanRequest request;
+  request.parts = {{"tee", 2}};
+  request.failed_spots = {{{0.25, 0, 0}, 0.02, 1, "link 4 would touch the bin"}};
+  const std::string json = codec::to_json(request, false);
+  EXPECT_THAT(json, HasSubstr(R"("parts":[{"id":"tee","priority":2}])"));
+  EXPECT_THAT(json, HasSubstr(R"("reason":"link 4 would touch the bin")"));
+}
+
 TEST(Json, PrintsZerosAndEmptyLists) {
   const std::string json = codec::to_json(PlanAnswer{}, false);
   EXPECT_THAT(json, HasSubstr(R"("registered_n":0)"));

@@ -55,6 +55,26 @@ TEST(RoundTrip, WhatIsLeftOutComesBackLeftOut) {
   EXPECT_TRUE(same(*decoded_answer, answer));
 }
 
+TEST(RoundTrip, TheFullestRequestFitsIntoItsEnvelope) {
+  RandomMessages random(7);
+  Request request = random.plan_request();
+  PlanRequest& plan = std::get<PlanCall>(request.call).plan;
+  const std::string longest(128, 'x');
+  plan.parts.resize(kMaxPartsPerRequest, {longest, 1.5});
+  LastObject object = plan.last_plan->objects.front();
+  object.part_id = longest;
+  plan.last_plan->objects.clear();
+  for (object.id = 1000; object.id < 1000 + kMaxLastObjects; ++object.id) {
+    plan.last_plan->objects.push_back(object);
+  }
+  FailedSpot spot = plan.failed_spots.front();
+  spot.reason = longest;
+  plan.failed_spots.assign(kMaxFailedSpots, spot);
+  const auto decoded = codec::decode_request(as_bytes(codec::encode_request(request)));
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  EXPECT_TRUE(same(*decoded, request));
+}
+
 TEST(RoundTrip, TheSameMessageIsTheSameBytes) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     EXPECT_EQ(codec::encode_request(RandomMessages(seed).plan_request()),

@@ -30,11 +30,12 @@ Error refusal_of_mechanism(const std::string& endpoint, bool with_keys) {
                                   "(server_key) and your own (key_file)")};
 }
 
-Error no_handshake(const std::string& endpoint) {
+Error no_handshake(const std::string& endpoint, bool with_keys) {
   return {Code::kUnavailable,
-          fmt::format("{} hangs up before anybody is let in: is its public key the one that was "
-                      "given as server_key, and is it a ready grasp_server?",
-                      endpoint)};
+          fmt::format("{} hangs up before anybody is let in: {}, and is it a ready grasp_server?",
+                      endpoint,
+                      with_keys ? "is its public key the one that was given as server_key"
+                                : "does it want keys (server_key and key_file)")};
 }
 
 }  // namespace
@@ -115,11 +116,10 @@ std::optional<ServerLink::Change> ServerLink::change_of(std::uint16_t event, std
       if (value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH) {
         return Change{Kind::kRefused, refusal_of_mechanism(endpoint_, keys_ != nullptr)};
       }
-      return Change{Kind::kRefused, no_handshake(endpoint_)};
+      return Change{Kind::kRefused, no_handshake(endpoint_, keys_ != nullptr)};
     default:
-      // Without keys it is any server that goes down; libzmq tries again by itself.
-      if (keys_ == nullptr) return std::nullopt;
-      return Change{Kind::kRefused, no_handshake(endpoint_)};
+      // A server that goes down; or one of another mechanism, where it was the first to notice.
+      return Change{Kind::kRefused, no_handshake(endpoint_, keys_ != nullptr)};
   }
 }
 

@@ -34,6 +34,8 @@ void write(const Grasp& grasp, v1::Grasp& out);
 void write(const StageTiming& timing, v1::StageTiming& out);
 void write(const ServerInfo& server, v1::ServerInfo& out);
 void write(const PlanAnswer& answer, v1::PlanAnswer& out);
+void write(const CodeCount& count, v1::CodeCount& out);
+void write(const StageTotal& total, v1::StageTotal& out);
 void write(const HealthAnswer& answer, v1::HealthAnswer& out);
 
 Eigen::Vector3d read(const v1::Vector3& in, const Field& at);
@@ -59,6 +61,8 @@ Grasp read(const v1::Grasp& in, const Field& at);
 StageTiming read(const v1::StageTiming& in, const Field& at);
 ServerInfo read(const v1::ServerInfo& in, const Field& at);
 PlanAnswer read(const v1::PlanAnswer& in, const Field& at);
+CodeCount read(const v1::CodeCount& in, const Field& at);
+StageTotal read(const v1::StageTotal& in, const Field& at);
 HealthAnswer read(const v1::HealthAnswer& in, const Field& at);
 
 /// What can be said of a frame before its payload is there.

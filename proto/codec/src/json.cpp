@@ -8,10 +8,10 @@
 namespace graspd::codec {
 namespace {
 
-template <class Wire, class Answer>
-std::string print(const Answer& answer, bool indented) {
+template <class Wire, class T>
+std::string print(const T& value, bool indented) {
   Wire message;
-  write(answer, message);
+  write(value, message);
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = indented;
   options.preserve_proto_field_names = true;
@@ -19,11 +19,15 @@ std::string print(const Answer& answer, bool indented) {
   options.always_print_primitive_fields = true;
   std::string json;
   const auto status = google::protobuf::util::MessageToJsonString(message, &json, options);
-  if (!status.ok()) throw std::runtime_error("answer as JSON: " + status.ToString());
+  if (!status.ok()) throw std::runtime_error("a message as JSON: " + status.ToString());
   return json;
 }
 
 }  // namespace
+
+std::string to_json(const PlanRequest& request, bool indented) {
+  return print<v1::PlanRequest>(request, indented);
+}
 
 std::string to_json(const PlanAnswer& answer, bool indented) {
   return print<v1::PlanAnswer>(answer, indented);

@@ -170,6 +170,14 @@ PlanAnswer read(const v1::PlanAnswer& in, const Field& at) {
   return answer;
 }
 
+CodeCount read(const v1::CodeCount& in, const Field& at) {
+  return {.code = from_wire<Code>(in.code(), at("code")), .answers_n = in.answers_n()};
+}
+
+StageTotal read(const v1::StageTotal& in, const Field& at) {
+  return {.stage = at("stage").name(in.stage()), .runs_n = in.runs_n(), .total_ns = in.total_ns()};
+}
+
 HealthAnswer read(const v1::HealthAnswer& in, const Field& at) {
   HealthAnswer answer;
   answer.state = from_wire<ServerState>(in.state(), at("state"));
@@ -180,6 +188,10 @@ HealthAnswer read(const v1::HealthAnswer& in, const Field& at) {
   answer.uptime_s = at("uptime_s").number(in.uptime_s());
   answer.part_ids = {in.part_ids().begin(), in.part_ids().end()};
   answer.server = read(in.server(), at("server").required(in.has_server()));
+  answer.answers_by_code = read_list(in.answers_by_code(), at("answers_by_code"));
+  answer.stages = read_list(in.stages(), at("stages"));
+  answer.workers_lost_n = in.workers_lost_n();
+  answer.memory_bytes = in.memory_bytes();
   return answer;
 }
 

@@ -107,7 +107,8 @@ LastObject read(const v1::LastObject& in, const Field& at) {
 FailedSpot read(const v1::FailedSpot& in, const Field& at) {
   return {.p_base_m = read(in.p_base_m(), at("p_base_m").required(in.has_p_base_m())),
           .radius_m = at("radius_m").number(in.radius_m()),
-          .failures_n = in.failures_n()};
+          .failures_n = in.failures_n(),
+          .reason = at("reason").name(in.reason())};
 }
 
 LastPlan read(const v1::LastPlan& in, const Field& at) {

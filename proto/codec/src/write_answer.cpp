@@ -103,6 +103,17 @@ void write(const PlanAnswer& answer, v1::PlanAnswer& out) {
   write(answer.server, *out.mutable_server());
 }
 
+void write(const CodeCount& count, v1::CodeCount& out) {
+  out.set_code(to_wire(count.code));
+  out.set_answers_n(count.answers_n);
+}
+
+void write(const StageTotal& total, v1::StageTotal& out) {
+  out.set_stage(total.stage);
+  out.set_runs_n(total.runs_n);
+  out.set_total_ns(total.total_ns);
+}
+
 void write(const HealthAnswer& answer, v1::HealthAnswer& out) {
   out.set_state(to_wire(answer.state));
   out.set_workers_n(answer.workers_n);
@@ -112,6 +123,10 @@ void write(const HealthAnswer& answer, v1::HealthAnswer& out) {
   out.set_uptime_s(answer.uptime_s);
   for (const std::string& id : answer.part_ids) out.add_part_ids(id);
   write(answer.server, *out.mutable_server());
+  write_list(answer.answers_by_code, *out.mutable_answers_by_code());
+  write_list(answer.stages, *out.mutable_stages());
+  out.set_workers_lost_n(answer.workers_lost_n);
+  out.set_memory_bytes(answer.memory_bytes);
 }
 
 }  // namespace graspd::codec

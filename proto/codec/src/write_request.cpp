@@ -102,6 +102,7 @@ void write(const FailedSpot& spot, v1::FailedSpot& out) {
   write(spot.p_base_m, *out.mutable_p_base_m());
   out.set_radius_m(spot.radius_m);
   out.set_failures_n(spot.failures_n);
+  out.set_reason(spot.reason);
 }
 
 void write(const PlanRequest& request, v1::PlanRequest& out) {

@@ -30,9 +30,7 @@ struct Reading {
   int cell = 0;
 };
 
-struct ReadView {
-  std::vector<Reading> readings;
-};
+using Readings = std::vector<Reading>;  ///< of one view
 
 bool is_plain(const Eigen::Vector3d& p_board_m, const Board& board) {
   const Eigen::Vector2d size_m = board.size_m();
@@ -44,8 +42,8 @@ bool is_plain(const Eigen::Vector3d& p_board_m, const Board& board) {
   return within(board.margin_m) && !within(0);
 }
 
-ReadView read_view(const DepthView& view, const Board& board, const CameraIntrinsics& camera) {
-  ReadView read;
+Readings read_view(const DepthView& view, const Board& board, const CameraIntrinsics& camera) {
+  Readings read;
   const Eigen::Isometry3d T_board_camera = view.T_camera_board.inverse();
   const Eigen::Vector3d normal = view.T_camera_board.linear().col(2);
   const double distance_m = normal.dot(view.T_camera_board.translation());
@@ -58,8 +56,7 @@ ReadView read_view(const DepthView& view, const Board& board, const CameraIntrin
       const double z_m = view.depth.at(u, v) * view.depth.depth_scale_m;
       if (!(true_m > 0) || std::abs(true_m - z_m) > kMaxOff_m) continue;
       if (!is_plain(T_board_camera * (true_m * ray), board)) continue;
-      read.readings.push_back(
-          {ray, z_m, true_m - z_m, v / kCell_px * cells_across_n + u / kCell_px});
+      read.push_back({ray, z_m, true_m - z_m, v / kCell_px * cells_across_n + u / kCell_px});
     }
   }
   return read;
@@ -77,18 +74,18 @@ Vector12d terms_of(const Reading& reading, const DepthCorrection& correction) {
 }
 
 /// Least squares with priors. A view has the same say however near, hence large, the board was.
-DepthCorrection fit(const std::vector<const ReadView*>& views) {
+DepthCorrection fit(const std::vector<const Readings*>& views) {
   DepthCorrection correction;
   correction.min_depth_m = HUGE_VAL;
   double sum_m = 0;
   double readings_n = 0;
-  for (const ReadView* view : views) {
-    for (const Reading& reading : view->readings) {
+  for (const Readings* view : views) {
+    for (const Reading& reading : *view) {
       correction.min_depth_m = std::min(correction.min_depth_m, reading.z_m);
       correction.max_depth_m = std::max(correction.max_depth_m, reading.z_m);
       sum_m += reading.z_m;
     }
-    readings_n += static_cast<double>(view->readings.size());
+    readings_n += static_cast<double>(view->size());
   }
   correction.reference_m = sum_m / readings_n;
 
@@ -97,10 +94,9 @@ DepthCorrection fit(const std::vector<const ReadView*>& views) {
       Eigen::Matrix<double, 6, 1>::Constant(kNoise_m / kSlope);
   Eigen::Matrix<double, 12, 12> A = prior.cwiseAbs2().asDiagonal();
   Vector12d b = Vector12d::Zero();
-  for (const ReadView* view : views) {
-    const double weight =
-        static_cast<double>(kMinReadings) / static_cast<double>(view->readings.size());
-    for (const Reading& reading : view->readings) {
+  for (const Readings* view : views) {
+    const double weight = static_cast<double>(kMinReadings) / static_cast<double>(view->size());
+    for (const Reading& reading : *view) {
       const Vector12d terms = terms_of(reading, correction);
       A.selfadjointView<Eigen::Lower>().rankUpdate(terms, weight);
       b += weight * reading.near_m * terms;
@@ -115,12 +111,12 @@ DepthCorrection fit(const std::vector<const ReadView*>& views) {
 /// Errors of readings, all together and averaged over cells.
 class ErrorSum {
  public:
-  void add(const ReadView& view, const DepthCorrection& correction) {
+  void add(const Readings& view, const DepthCorrection& correction) {
     Vector12d x;
     std::copy(correction.offset_m.begin(), correction.offset_m.end(), x.data());
     std::copy(correction.slope.begin(), correction.slope.end(), x.data() + 6);
     std::map<int, std::pair<double, int>> cells;
-    for (const Reading& reading : view.readings) {
+    for (const Reading& reading : view) {
       const double left_m = reading.near_m - terms_of(reading, correction).dot(x);
       sum_m_ += left_m;
       sum_m2_ += left_m * left_m;
@@ -128,7 +124,7 @@ class ErrorSum {
       sum_m += left_m;
       ++n;
     }
-    readings_n_ += view.readings.size();
+    readings_n_ += view.size();
     for (const auto& [cell, sum] : cells) {
       if (sum.second < kCell_px * kCell_px / 2) continue;  // at the board's edge
       const double mean_m = sum.first / sum.second;
@@ -153,17 +149,17 @@ class ErrorSum {
   int cells_n_ = 0;
 };
 
-double image_share(const std::vector<ReadView>& views, const CameraIntrinsics& camera) {
+double image_share(const std::vector<Readings>& views, const CameraIntrinsics& camera) {
   std::map<int, int> seen;
-  for (const ReadView& view : views) {
-    for (const Reading& reading : view.readings) ++seen[reading.cell];
+  for (const Readings& view : views) {
+    for (const Reading& reading : view) ++seen[reading.cell];
   }
   const double cells_n = static_cast<double>(camera.width_px) * camera.height_px /
                          static_cast<double>(kCell_px * kCell_px);
   return std::min(1.0, static_cast<double>(seen.size()) / cells_n);
 }
 
-Result<std::vector<ReadView>> read_views(std::span<const DepthView> views, const Board& board,
+Result<std::vector<Readings>> read_views(std::span<const DepthView> views, const Board& board,
                                          const CameraIntrinsics& camera) {
   if (views.size() < kMinViews) {
     return invalid(
@@ -171,7 +167,7 @@ Result<std::vector<ReadView>> read_views(std::span<const DepthView> views, const
         "the bin's floor to its rim and over all of the image",
         views.size(), kMinViews);
   }
-  std::vector<ReadView> read;
+  std::vector<Readings> read;
   for (const DepthView& view : views) {
     if (view.depth.camera.width_px != camera.width_px ||
         view.depth.camera.height_px != camera.height_px) {
@@ -180,11 +176,11 @@ Result<std::vector<ReadView>> read_views(std::span<const DepthView> views, const
                      camera.height_px);
     }
     read.push_back(read_view(view, board, camera));
-    if (read.back().readings.size() < kMinReadings) {
+    if (read.back().size() < kMinReadings) {
       return invalid(
           "{}: {} depth readings lie on the board, at least {} are needed; are depth and infrared "
           "image of the same moment, and both mirrored or neither?",
-          view.name, read.back().readings.size(), kMinReadings);
+          view.name, read.back().size(), kMinReadings);
     }
   }
   return read;
@@ -198,10 +194,10 @@ Result<DepthFit> fit_depth_correction(std::span<const DepthView> views, const Bo
   if (!read) return tl::unexpected(read.error());
   ErrorSum before;
   ErrorSum held_out;
-  std::vector<const ReadView*> all;
-  for (const ReadView& view : *read) {
-    std::vector<const ReadView*> others;
-    for (const ReadView& other : *read) {
+  std::vector<const Readings*> all;
+  for (const Readings& view : *read) {
+    std::vector<const Readings*> others;
+    for (const Readings& other : *read) {
       if (&other != &view) others.push_back(&other);
     }
     before.add(view, {});

@@ -39,6 +39,7 @@ Result<void> expect_size(const std::filesystem::path& path, int width_px, int he
                  width_px, height_px, camera.width_px, camera.height_px);
 }
 
+/// \param camera of the image once it is mirrored back.
 Result<DepthFrame> read_depth(const std::filesystem::path& path, const CameraIntrinsics& camera,
                               double depth_scale_m, bool is_mirrored) {
   auto image = read_png16(path);
@@ -47,8 +48,7 @@ Result<DepthFrame> read_depth(const std::filesystem::path& path, const CameraInt
     return tl::unexpected(ok.error());
   }
   if (is_mirrored) mirror_rows(image->values, image->width_px);
-  return DepthFrame{is_mirrored ? mirrored(camera) : camera, depth_scale_m,
-                    std::move(image->values)};
+  return DepthFrame{camera, depth_scale_m, std::move(image->values)};
 }
 
 }  // namespace
@@ -60,20 +60,22 @@ Result<Recording> read_recording(const std::filesystem::path& folder,
   YamlDocument document(folder / "poses.yaml");
   YamlMap root = document.root();
   recording.board = read_board(root.map("board"));
-  root.optional("mirrored", recording.is_mirrored);
+  bool is_mirrored = false;
+  root.optional("mirrored", is_mirrored);
   for (const YamlMap& map : root.list_of_maps("views")) entries.push_back(read_entry(map));
   if (entries.empty()) root.fault("views", "'views' must name at least one image");
   if (auto ok = document.finish(); !ok) return tl::unexpected(ok.error());
+  recording.camera = is_mirrored ? mirrored(camera) : camera;
 
   for (const Entry& entry : entries) {
-    auto image = read_gray_image(folder / entry.image, recording.is_mirrored);
+    auto image = read_gray_image(folder / entry.image, is_mirrored);
     if (!image) return tl::unexpected(image.error());
     const auto ok = expect_size(folder / entry.image, image->width_px, image->height_px, camera);
     if (!ok) return tl::unexpected(ok.error());
     RecordedView& view = recording.views.emplace_back(
         RecordedView{entry.image, *std::move(image), entry.T_base_flange, std::nullopt});
     if (entry.depth.empty()) continue;
-    auto depth = read_depth(folder / entry.depth, camera, depth_scale_m, recording.is_mirrored);
+    auto depth = read_depth(folder / entry.depth, recording.camera, depth_scale_m, is_mirrored);
     if (!depth) return tl::unexpected(depth.error());
     view.depth = *std::move(depth);
   }

@@ -5,9 +5,6 @@
 namespace graspd::agent {
 namespace {
 
-/// Less than this between two reports is an arm that stands; encoders tick, and belts creep.
-constexpr double kStill_rad = 1e-4;
-
 std::chrono::nanoseconds duration_of(const JointTrajectory& trajectory) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(trajectory.back().t_s * 1e9));
 }

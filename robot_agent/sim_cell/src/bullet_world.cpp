@@ -53,7 +53,8 @@ PartShape make_part_shape(const parts::Mesh& mesh, const ConvexPiecesOptions& op
 BulletWorld::BulletWorld(const Eigen::Vector3d& bin_inner_size_m, double friction,
                          double restitution)
     : friction_(friction), restitution_(restitution) {
-  world_.setGravity(to_bullet({0, 0, -kGravity_m_s2}));
+  world_.setGravity(to_bullet(Eigen::Vector3d(0, 0, -kGravity_m_s2)));
+  world_.setInternalTickCallback(set_kinematic_velocities, this, true);
   world_.getSolverInfo().m_numIterations = kSolverIterations;
   // Overlap is undone by moving bodies apart, never by speeding them up: piles come to rest.
   world_.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
@@ -82,7 +83,7 @@ btRigidBody* BulletWorld::add(const PartShape& shape) {
   return add_body(shape.compound.get(), shape.mass_kg);
 }
 
-btRigidBody* BulletWorld::add_body(btCollisionShape* shape, double mass_kg) {
+std::unique_ptr<btRigidBody> BulletWorld::make_body(btCollisionShape* shape, double mass_kg) const {
   btVector3 inertia(0, 0, 0);
   if (mass_kg > 0) shape->calculateLocalInertia(btScalar(mass_kg), inertia);
   btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass_kg), nullptr, shape, inertia);
@@ -91,17 +92,55 @@ btRigidBody* BulletWorld::add_body(btCollisionShape* shape, double mass_kg) {
   // Without it a round part rocks between the edges of its hull for ever.
   info.m_rollingFriction = btScalar(kRollingFriction);
   info.m_spinningFriction = btScalar(kRollingFriction);
-  bodies_.push_back(std::make_unique<btRigidBody>(info));
-  btRigidBody* body = bodies_.back().get();
+  auto body = std::make_unique<btRigidBody>(info);
   // Sleeping bodies would be "still" without being at rest.
   body->setActivationState(DISABLE_DEACTIVATION);
-  world_.addRigidBody(body);
   return body;
+}
+
+btRigidBody* BulletWorld::add_body(btCollisionShape* shape, double mass_kg) {
+  bodies_.push_back(make_body(shape, mass_kg));
+  world_.addRigidBody(bodies_.back().get());
+  return bodies_.back().get();
 }
 
 void BulletWorld::remove(btRigidBody* body) {
   world_.removeRigidBody(body);
   std::erase_if(bodies_, [body](const auto& owned) { return owned.get() == body; });
+}
+
+void BulletWorld::step(double step_s) {
+  world_.stepSimulation(btScalar(step_s), 0);
+  for (const Move& move : moves_) {
+    const btTransform T = to_bullet(move.T_bin_body);
+    move.body->setWorldTransform(T);
+    move.body->setInterpolationWorldTransform(T);
+  }
+  moves_.clear();
+}
+
+void BulletWorld::set_solver_iterations(int iterations_n) {
+  world_.getSolverInfo().m_numIterations = iterations_n;
+}
+
+void BulletWorld::move_in_next_step(btRigidBody* body, const Eigen::Isometry3d& T_bin_body) {
+  moves_.push_back({body, T_bin_body});
+}
+
+/// During a step a kinematic body is where it was, with the velocity that takes it to where it will
+/// be: as a dynamic one. Bullet would put it there first, so that what is fixed to it lags, and
+/// would find its velocity from an angle that single precision rounds to 0.7 mrad.
+void BulletWorld::set_kinematic_velocities(btDynamicsWorld* world, btScalar step_s) {
+  for (const Move& move : static_cast<BulletWorld*>(world->getWorldUserInfo())->moves_) {
+    const Eigen::Isometry3d T_now_next =
+        to_metres(move.body->getWorldTransform()).inverse() * move.T_bin_body;
+    const Eigen::Matrix3d R_bin_now = to_metres(move.body->getWorldTransform()).linear();
+    const Eigen::AngleAxisd turn(T_now_next.linear());
+    move.body->setLinearVelocity(to_bullet(R_bin_now * T_now_next.translation()) / step_s);
+    const Eigen::Vector3d turn_rad = R_bin_now * turn.axis() * turn.angle();
+    move.body->setAngularVelocity(
+        btVector3(btScalar(turn_rad.x()), btScalar(turn_rad.y()), btScalar(turn_rad.z())) / step_s);
+  }
 }
 
 double BulletWorld::deepest_penetration_m() const {
@@ -132,6 +171,20 @@ std::vector<ContactForce> BulletWorld::contact_forces(double step_s) const {
   return forces;
 }
 
+std::vector<Contact> BulletWorld::contacts() const {
+  std::vector<Contact> contacts;
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    const btPersistentManifold* manifold = dispatcher_.getManifoldByIndexInternal(i);
+    for (int k = 0; k < manifold->getNumContacts(); ++k) {
+      const btManifoldPoint& point = manifold->getContactPoint(k);
+      contacts.push_back({manifold->getBody0(), manifold->getBody1(),
+                          double(point.getDistance()) / kScale,
+                          double(point.m_appliedImpulse) / kScale});
+    }
+  }
+  return contacts;
+}
+
 void BulletWorld::make_kinematic(btRigidBody* body) {
   world_.removeRigidBody(body);
   body->setMassProps(0, btVector3(0, 0, 0));
@@ -140,24 +193,30 @@ void BulletWorld::make_kinematic(btRigidBody* body) {
 }
 
 Eigen::Isometry3d pose_of(const btRigidBody& body, const PartShape& shape) {
-  const btTransform& T = body.getWorldTransform();
-  const btQuaternion q = T.getRotation();
-  Eigen::Isometry3d T_bin_part = Eigen::Translation3d(to_metres(T.getOrigin())) *
-                                 Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
-  return T_bin_part * Eigen::Translation3d(-shape.centre_of_mass_m);
+  return to_metres(body.getWorldTransform()) * Eigen::Translation3d(-shape.centre_of_mass_m);
 }
 
 void place(btRigidBody& body, const PartShape& shape, const Eigen::Isometry3d& T_bin_part,
            const Eigen::Vector3d& velocity_m_s) {
-  const Eigen::Quaterniond q(T_bin_part.linear());
-  const btTransform T(
-      btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())),
-      to_bullet(T_bin_part * shape.centre_of_mass_m));
+  const btTransform T = to_bullet(T_bin_part * Eigen::Translation3d(shape.centre_of_mass_m));
   body.setWorldTransform(T);
   body.setInterpolationWorldTransform(T);
   body.setLinearVelocity(to_bullet(velocity_m_s));
   body.setAngularVelocity(btVector3(0, 0, 0));
   body.clearForces();
+}
+
+btTransform to_bullet(const Eigen::Isometry3d& T_m) {
+  const Eigen::Quaterniond q(T_m.linear());
+  return btTransform(
+      btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())),
+      to_bullet(Eigen::Vector3d(T_m.translation())));
+}
+
+Eigen::Isometry3d to_metres(const btTransform& T) {
+  const btQuaternion q = T.getRotation();
+  return Eigen::Translation3d(to_metres(T.getOrigin())) *
+         Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
 }
 
 }  // namespace graspd::sim_cell

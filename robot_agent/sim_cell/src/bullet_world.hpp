@@ -35,6 +35,13 @@ struct ContactForce {
   double upward_n = 0;  ///< newtons; negative: pressed down
 };
 
+struct Contact {
+  const btCollisionObject* a = nullptr;
+  const btCollisionObject* b = nullptr;
+  double distance_m = 0;   ///< negative: they overlap
+  double impulse_n_s = 0;  ///< of the last step, along the normal
+};
+
 /// A world with gravity and a bin at its origin.
 class BulletWorld {
  public:
@@ -46,15 +53,31 @@ class BulletWorld {
   /// The shape must outlive the world.
   btRigidBody* add(const PartShape& shape);
   void remove(btRigidBody* body);
-  void step(double step_s) { world_.stepSimulation(btScalar(step_s), 0); }
+  /// A body of this world's materials that is not in the world yet; with mass 0 it never moves.
+  std::unique_ptr<btRigidBody> make_body(btCollisionShape* shape, double mass_kg) const;
+  void step(double step_s);
+  void set_solver_iterations(int iterations_n);
   /// Of any two bodies in contact.
   double deepest_penetration_m() const;
   /// What each contact did in the last step of `step_s`; walls and floor are bodies too.
   std::vector<ContactForce> contact_forces(double step_s) const;
+  std::vector<Contact> contacts() const;
   /// From now on no force moves the body: it is where it is put.
   void make_kinematic(btRigidBody* body);
+  /// In the next step a kinematic body moves to this pose, and pushes what is in its way; without
+  /// an order it stands.
+  void move_in_next_step(btRigidBody* body, const Eigen::Isometry3d& T_bin_body);
+
+  /// For bodies and constraints of other owners, who take them out again before the world ends.
+  btDiscreteDynamicsWorld& bullet() { return world_; }
 
  private:
+  struct Move {
+    btRigidBody* body = nullptr;
+    Eigen::Isometry3d T_bin_body;
+  };
+
+  static void set_kinematic_velocities(btDynamicsWorld* world, btScalar step_s);
   void add_wall(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& size_m);
   btRigidBody* add_body(btCollisionShape* shape, double mass_kg);
 
@@ -67,6 +90,7 @@ class BulletWorld {
   btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
   std::vector<std::unique_ptr<btBoxShape>> walls_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
+  std::vector<Move> moves_;  ///< of the next step
 };
 
 /// Pose of the part frame in the bin, from and to a body.
@@ -82,5 +106,8 @@ inline btVector3 to_bullet(const Eigen::Vector3d& v_m) {
 inline Eigen::Vector3d to_metres(const btVector3& v) {
   return Eigen::Vector3d(v.x(), v.y(), v.z()) / kScale;
 }
+
+btTransform to_bullet(const Eigen::Isometry3d& T_m);
+Eigen::Isometry3d to_metres(const btTransform& T);
 
 }  // namespace graspd::sim_cell

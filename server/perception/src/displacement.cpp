@@ -1,14 +1,12 @@
 #include "graspd/perception/displacement.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "graspd/perception/pose_hypothesis.hpp"
 
 namespace graspd::perception {
 namespace {
 
-constexpr std::size_t kAllPoints = std::numeric_limits<std::size_t>::max();
 /// Chosen on tuning frames: none of 317 objects that lay still fails, all of 45 do that moved by
 /// twice the threshold, 44 of 45 that moved by one and a half.
 /// Of what the part would show were it alone: so much less may be seen than last time, for noise.
@@ -25,7 +23,7 @@ bool has_moved(const PoseVerifier& verifier, const PoseHypothesis& pose, float t
   for (int direction = 0; direction < 6; ++direction) {
     PoseHypothesis elsewhere = pose;
     elsewhere.t_m[direction / 2] += direction % 2 == 0 ? threshold_m : -threshold_m;
-    verifier.score(elsewhere, kAllPoints, tolerance_m);
+    verifier.score(elsewhere, PoseVerifier::kAllPoints, tolerance_m);
     if (elsewhere.fit > pose.fit + kBetterElsewhere) return true;
   }
   return false;
@@ -63,7 +61,7 @@ std::optional<std::vector<StandingObject>> standing_objects(const LastPlan& last
     const parts::Part* const part = catalogue.find(object.part_id);
     const PoseVerifier verifier(grid, {&part, 1}, parameters.registration);
     PoseHypothesis pose = PoseHypothesis::of(T_camera_base * object.T_base_part);
-    verifier.score(pose, kAllPoints, tolerance_m);
+    verifier.score(pose, PoseVerifier::kAllPoints, tolerance_m);
     const Evidence evidence = evidence_of(pose);
     if (object.id == last_plan.picked_object_id) {
       if (evidence.visible_fraction > kStillThere * object.visible_fraction) return std::nullopt;

@@ -7,7 +7,6 @@
 namespace graspd::perception {
 namespace {
 
-constexpr std::size_t kAllPoints = 1U << 30U;
 constexpr std::size_t kSearchPoints = 192;
 constexpr float kFirstStep_m = 0.003F;
 constexpr float kLastStep_m = 0.0006F;

@@ -13,7 +13,6 @@ namespace {
 
 /// Rounds in which the bow is found: the first one's poses are bent themselves.
 constexpr int kBowRounds = 2;
-constexpr double kMostBow_m = 0.02;
 
 /// Takes out of the scene's image what its walls bow it more, or less, than was assumed.
 void straighten_further(const PoseVerifier& verifier, std::span<const PoseHypothesis> poses,
@@ -21,7 +20,7 @@ void straighten_further(const PoseVerifier& verifier, std::span<const PoseHypoth
   double bow_m = assumed_m;
   for (int round = 0; round < kBowRounds; ++round) {
     const double more_m = find_wall_bow_m(grid, verifier, poses, *scene.walls);
-    const double next_m = std::clamp(bow_m + more_m, 0.0, kMostBow_m);
+    const double next_m = std::clamp(bow_m + more_m, 0.0, kMaxWallBow_m);
     straighten(grid, *scene.walls, next_m - bow_m);
     pack(grid);
     bow_m = next_m;

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <system_error>
+#include <utility>
 
 #include "handshake_probe.hpp"
 #include "messages.hpp"
@@ -26,7 +27,6 @@ constexpr std::string_view kProbeUser = "graspd self-test";
 constexpr std::size_t kZapFrames = 7;
 constexpr std::size_t kKey_bytes = 32;
 constexpr std::size_t kMostNotices = 8;
-constexpr milliseconds kPulseInterval{500};
 constexpr int kMostMissed = 3;
 
 std::string z85(const zmq::message_t& key) {
@@ -119,7 +119,7 @@ void Authenticator::run() {
     }
   } catch (const std::exception& error) {
     const std::lock_guard lock(mutex_);
-    notices_.push_back(fmt::format("authentication has ended: {}", error.what()));
+    news_.notices.push_back(fmt::format("authentication has ended: {}", error.what()));
   }
 }
 
@@ -158,44 +158,37 @@ std::optional<std::string> Authenticator::user_of(const std::string& key) const 
 
 void Authenticator::note_refusal(const std::string& address) {
   const std::lock_guard lock(mutex_);
-  if (notices_.size() >= kMostNotices) {
-    ++unmentioned_n_;
-  } else {
-    notices_.push_back(fmt::format("a client at {} was refused: its key is not allowed", address));
-  }
+  if (++news_.refused_n > kMostNotices) return;
+  news_.notices.push_back(
+      fmt::format("a client at {} was refused: its key is not allowed", address));
 }
 
-std::vector<std::string> Authenticator::notices() {
-  std::vector<std::string> notices;
+Authenticator::News Authenticator::news() {
   const std::lock_guard lock(mutex_);
-  notices.swap(notices_);
-  if (unmentioned_n_ > 0) {
-    notices.push_back(fmt::format("{} more clients were refused", unmentioned_n_));
-    unmentioned_n_ = 0;
+  if (news_.refused_n > kMostNotices) {
+    news_.notices.push_back(
+        fmt::format("{} more clients were refused", news_.refused_n - kMostNotices));
   }
-  return notices;
+  return std::exchange(news_, {});
 }
 
-bool Authenticator::alive(TimePoint now) {
+bool Authenticator::alive() {
   Message reply;
   while (receive(pulse_, kZapFrames, reply)) {
     asking_ = false;
     missed_n_ = 0;
   }
-  if (!asked_ || now - *asked_ >= kPulseInterval) {
-    asked_ = now;
-    // Not one question upon another to a thread that does not answer; and looks are counted, not
-    // time, of which much may pass where the whole process was stopped.
-    if (asking_) {
-      ++missed_n_;
-    } else {
-      asking_ = true;
-      std::vector<zmq::message_t> question;
-      question.push_back(frame_of(""));  // the delimiter that a REP expects
-      question.push_back(frame_of(kZapVersion));
-      question.push_back(frame_of("pulse"));
-      (void)send(pulse_, std::move(question));
-    }
+  // Not one question upon another to a thread that does not answer; and calls are counted, not
+  // time, of which much may pass where the whole process was stopped.
+  if (asking_) {
+    ++missed_n_;
+  } else {
+    asking_ = true;
+    std::vector<zmq::message_t> question;
+    question.push_back(frame_of(""));  // the delimiter that a REP expects
+    question.push_back(frame_of(kZapVersion));
+    question.push_back(frame_of("pulse"));
+    (void)send(pulse_, std::move(question));
   }
   return missed_n_ < kMostMissed;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <mutex>
@@ -12,7 +11,6 @@
 
 #include "graspd/keys/allow_list.hpp"
 #include "graspd/keys/key_files.hpp"
-#include "graspd/service/fair_queue.hpp"
 
 namespace graspd::service {
 
@@ -42,10 +40,14 @@ class Authenticator {
   /// list since. \param envelope not the routing id, which has no User-Id after a poll
   std::optional<std::string> cell_of(const zmq::message_t& envelope) const;
 
-  /// Whether the thread has answered of late. Asks it again; to be called once in a while.
-  bool alive(TimePoint now);
-  /// What happened at the door since the last call, for the log.
-  std::vector<std::string> notices();
+  /// Whether the thread has answered what it was asked at the last few calls. Asks it again.
+  bool alive();
+  struct News {
+    std::vector<std::string> notices;  ///< for the log
+    std::size_t refused_n = 0;         ///< connections
+  };
+  /// What happened at the door since the last call.
+  News news();
 
  private:
   using Lists = std::shared_ptr<const keys::AllowList>;
@@ -59,12 +61,10 @@ class Authenticator {
   keys::KeyPair probe_;     ///< let in; never leaves this process
   keys::KeyPair stranger_;  ///< refused, without a word in the log
   mutable std::mutex mutex_;
-  Lists allowed_;                     ///< guarded by mutex_
-  std::vector<std::string> notices_;  ///< guarded by mutex_
-  std::size_t unmentioned_n_ = 0;     ///< guarded by mutex_; refusals beyond kMostNotices
-  zmq::socket_t handler_;             ///< the thread's, while it runs
+  Lists allowed_;          ///< guarded by mutex_
+  News news_;              ///< guarded by mutex_
+  zmq::socket_t handler_;  ///< the thread's, while it runs
   zmq::socket_t pulse_;
-  std::optional<TimePoint> asked_;
   bool asking_ = false;
   int missed_n_ = 0;
   int stop_fd_;

@@ -40,19 +40,37 @@ Result<void> validate_keys(const ServerConfig& config) {
           : "key_file and allowed_cells are missing");
 }
 
-/// Relative to the file that says it. Nothing said stays nothing.
-void read_path(YamlMap& map, std::string_view key, const std::filesystem::path& relative_to,
-               std::filesystem::path& path) {
-  std::string text;
-  map.optional(key, text);
-  if (!text.empty()) path = relative_to / text;
-}
-
 Result<void> validate_range(std::string_view key, std::uint32_t value, std::uint32_t low,
                             std::uint32_t high) {
   if (value < low || value > high)
     return invalid("{}: {} is outside {} … {}", key, value, low, high);
   return {};
+}
+
+/// Metrics and health are nothing secret, but nobody's business either unless somebody says so.
+Result<void> validate_http(const ServerConfig& config) {
+  if (config.http_endpoint.empty()) return {};
+  const Result<Endpoint> endpoint = parse_endpoint(config.http_endpoint);
+  if (!endpoint) return invalid("http: endpoint: {}", endpoint.error().message);
+  if (!endpoint->path.empty()) {
+    return invalid("http: endpoint: {}: HTTP needs tcp://HOST:PORT", config.http_endpoint);
+  }
+  if (!endpoint->is_local() && !config.http_expose) {
+    return invalid(
+        "http: endpoint: {} can be reached from other machines; listen on 127.0.0.1, or say "
+        "'expose: true' beside it where everybody may read the metrics",
+        config.http_endpoint);
+  }
+  return {};
+}
+
+/// Paths in a file are relative to it.
+void optional_path(YamlMap& map, const std::string& key, const std::filesystem::path& file,
+                   std::filesystem::path& path) {
+  std::string text = path;
+  map.optional(key, text);
+  path =
+      text.empty() ? std::filesystem::path() : std::filesystem::absolute(file).parent_path() / text;
 }
 
 std::string quoted(const std::string& text) {
@@ -70,17 +88,19 @@ Result<ServerConfig> read_config(const std::filesystem::path& path) {
   root.optional("data_endpoint", config.data_endpoint);
   root.optional("control_endpoint", config.control_endpoint);
   root.optional("insecure", config.insecure);
-  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
-  read_path(root, "key_file", folder, config.key_file);
-  read_path(root, "allowed_cells", folder, config.allowed_cells);
-  config.parts = folder / config.parts;
-  read_path(root, "parts", folder, config.parts);
+  optional_path(root, "key_file", path, config.key_file);
+  optional_path(root, "allowed_cells", path, config.allowed_cells);
+  optional_path(root, "parts", path, config.parts);
   root.optional("workers_n", config.workers_n);
   root.optional("worker_threads_n", config.worker_threads_n);
   root.optional("worker_memory_limit_mib", config.worker_memory_limit_mib);
   root.optional("worker_time_limit_ms", config.worker_time_limit_ms);
   root.optional("drain_limit_ms", config.drain_limit_ms);
   root.optional_enum("log_level", config.log_level);
+  optional_path(root, "record_failed", path, config.record_failed);
+  YamlMap http = root.map("http");
+  http.optional("endpoint", config.http_endpoint);
+  http.optional("expose", config.http_expose);
   read_parameters(root.map("perception"), config.perception);
   if (auto ok = document.finish(); !ok) return tl::unexpected(ok.error());
   return config;
@@ -93,6 +113,7 @@ Result<void> validate(const ServerConfig& config) {
     if (auto ok = validate_endpoint(key, *endpoint, config.insecure); !ok) return ok;
   }
   if (auto ok = validate_keys(config); !ok) return ok;
+  if (auto ok = validate_http(config); !ok) return ok;
   if (auto ok = validate_range("workers_n", config.workers_n, 0, 256); !ok) return ok;
   if (auto ok = validate_range("worker_threads_n", config.worker_threads_n, 0, 256); !ok) return ok;
   const std::uint32_t limit_mib = config.worker_memory_limit_mib;
@@ -110,11 +131,13 @@ std::string to_yaml(const ServerConfig& config) {
       "data_endpoint: {}\ncontrol_endpoint: {}\ninsecure: {}\nkey_file: {}\nallowed_cells: {}\n"
       "parts: {}\nworkers_n: {}\n"
       "worker_threads_n: {}\nworker_memory_limit_mib: {}\nworker_time_limit_ms: {}\n"
-      "drain_limit_ms: {}\nlog_level: {}\nperception:\n{}",
+      "drain_limit_ms: {}\nlog_level: {}\nrecord_failed: {}\nhttp:\n  endpoint: {}\n  expose: {}\n"
+      "perception:\n{}",
       quoted(config.data_endpoint), quoted(config.control_endpoint), config.insecure,
       quoted(config.key_file), quoted(config.allowed_cells), quoted(config.parts), config.workers_n,
       config.worker_threads_n, config.worker_memory_limit_mib, config.worker_time_limit_ms,
-      config.drain_limit_ms, name_of(config.log_level), parameters_to_yaml(config.perception, 2));
+      config.drain_limit_ms, name_of(config.log_level), quoted(config.record_failed),
+      quoted(config.http_endpoint), config.http_expose, parameters_to_yaml(config.perception, 2));
 }
 
 std::string config_hash(const perception::Parameters& parameters) {

@@ -43,6 +43,7 @@ SupervisorLimits limits_of(const ServerConfig& config) {
 Front::Impl::Impl(FrontOptions options, WorkerLauncher& launcher)
     : options_(std::move(options)),
       authenticator_(make_authenticator(context_, options_.authentication)),
+      authenticates_(!authenticator_),
       data_lock_(options_.config.data_endpoint),
       control_lock_(options_.config.control_endpoint),
       data_(bind_data(context_, options_.config.data_endpoint, authenticator_.get())),
@@ -51,8 +52,14 @@ Front::Impl::Impl(FrontOptions options, WorkerLauncher& launcher)
       admission_(pool_size(options_.config), std::random_device{}()),
       crew_(make_crew(options_.facts, launcher)),
       loaded_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-      started_(Clock::now()) {
+      started_(Clock::now()),
+      metrics_(options_.facts.server, options_.facts.part_ids),
+      status_(started_),
+      recorder_(options_.config.record_failed) {
   if (loaded_fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  if (options_.authentication) know_cells(options_.authentication->allowed);
+  const std::string& http_endpoint = options_.config.http_endpoint;
+  if (!http_endpoint.empty()) http_.emplace(http_endpoint, http_pages());
 }
 
 Front::Impl::~Impl() {
@@ -73,6 +80,7 @@ void Front::Impl::run() {
     tend_workers();
     expire();
     dispatch();
+    observe();
   }
   say_goodbye();
 }
@@ -156,7 +164,11 @@ void Front::Impl::tend_workers() {
 
 void Front::Impl::tend(Crew& crew) {
   const Supervisor::Report report = crew.workers.tend(Clock::now());
-  for (const std::string& notice : report.notices) log(LogLevel::kWarning, "{}", notice);
+  for (const std::string& notice : report.notices) {
+    log(LogLevel::kWarning, "{}", notice);
+    metrics_.worker_lost();
+    last_loss_ = notice;
+  }
   for (const Supervisor::Lost& lost : report.lost) {
     finish(lost.ticket, false);
     refuse(lost.ticket, {Code::kInternal,
@@ -191,6 +203,7 @@ Front::Front(FrontOptions options, WorkerLauncher& launcher)
 Front::~Front() = default;
 std::string Front::data_endpoint() const { return impl_->data_endpoint(); }
 std::string Front::control_endpoint() const { return impl_->control_endpoint(); }
+std::string Front::http_url() const { return impl_->http_url(); }
 void Front::run() { impl_->run(); }
 
 }  // namespace graspd::service

@@ -16,14 +16,19 @@
 #include "endpoint_lock.hpp"
 #include "graspd/service/admission.hpp"
 #include "graspd/service/front.hpp"
+#include "graspd/service/metrics.hpp"
 #include "graspd/service/supervisor.hpp"
+#include "http_endpoint.hpp"
 #include "intake.hpp"
+#include "log_line.hpp"
 #include "messages.hpp"
+#include "recorder.hpp"
+#include "status.hpp"
 
 namespace graspd::service {
 
 /// The loop and its sockets are in front.cpp, what happens to a request in front_requests.cpp, who
-/// may come in and reloading in front_reload.cpp.
+/// may come in and reloading in front_reload.cpp, what is told of it all in front_observe.cpp.
 class Front::Impl {
  public:
   Impl(FrontOptions options, WorkerLauncher& launcher);
@@ -31,19 +36,9 @@ class Front::Impl {
   void run();
   std::string data_endpoint() const { return data_.get(zmq::sockopt::last_endpoint); }
   std::string control_endpoint() const { return control_.get(zmq::sockopt::last_endpoint); }
+  std::string http_url() const { return http_ ? http_->url() : ""; }
 
  private:
-  struct Job {
-    std::string client;  ///< routing id on the data socket
-    PlanJob plan;
-    TimePoint arrived;
-    TimePoint started;
-    TimePoint deadline;
-    bool running = false;
-    bool answered = false;  ///< true while running: the deadline came before the result
-  };
-  using Jobs = std::map<Ticket, Job>;
-
   /// Workers that have loaded the same parts.
   struct Crew {
     ServerFacts facts;
@@ -51,6 +46,18 @@ class Front::Impl {
     std::unique_ptr<WorkerLauncher> launcher;  ///< null: the caller's
     Supervisor workers;
   };
+  struct Job {
+    std::string client;  ///< routing id on the data socket
+    PlanJob plan;
+    TimePoint arrived;
+    TimePoint started;
+    TimePoint deadline;
+    const Crew* crew = nullptr;    ///< that it is computed by; null: it waits
+    bool answered = false;         ///< true while running: the deadline came before the result
+    zmq::message_t kept_envelope;  ///< shared with the worker's, to be recorded
+    zmq::message_t kept_payload;
+  };
+  using Jobs = std::map<Ticket, Job>;
 
   // The loop's steps.
   bool finished();
@@ -62,12 +69,13 @@ class Front::Impl {
   void tend_workers();
   void expire();
   void dispatch();
+  void observe();
   void say_goodbye();
 
   // Who may come in.
   void test_authentication();
   void tend_authentication();
-  void turn_away(zmq::socket_t& socket, const std::string& client);
+  void know_cells(const keys::AllowList& allowed);
 
   // Reloading: crews take turns; the last one finishes what it has.
   void read_reload();
@@ -92,21 +100,31 @@ class Front::Impl {
   bool start(Job& job, Ticket ticket, const std::string& identity);
   void finish(Ticket ticket, bool computed);
   void refuse(Ticket ticket, Error error, std::uint32_t retry_after_ms = 0);
+  void refuse(zmq::socket_t& socket, const std::string& client, Refused refused);
   void answer(zmq::socket_t& socket, const std::string& client, const Answer& answer);
   void send_to_client(zmq::socket_t& socket, const std::string& client, zmq::message_t envelope);
+
+  // What is told of it all.
+  std::optional<std::string> why_not_ready() const;
+  std::optional<std::string> why_not_alive() const;
   HealthAnswer health() const;
-  void log_request(const PlanJob& plan, std::string_view code, std::string_view detail,
-                   TimePoint arrived, TimePoint started);
+  HttpPages http_pages();
+  void tell(const Job& job, Code code, WorkReport report);
+  std::filesystem::path record(const Job& job, Code code);
 
   template <class... Args>
   void log(LogLevel level, fmt::format_string<Args...> format, Args&&... args) {
-    if (options_.log) options_.log(level, fmt::format(format, std::forward<Args>(args)...));
+    log_json(level, log_line(fmt::format(format, std::forward<Args>(args)...)));
+  }
+  void log_json(LogLevel level, const std::string& line) {
+    if (options_.log) options_.log(level, line);
   }
 
   FrontOptions options_;
   zmq::context_t context_;
   std::unique_ptr<Authenticator> authenticator_;  // before the sockets: it listens first
-  bool authenticates_ = true;
+  bool authenticates_;  ///< has passed its test, and answers; true where there are no keys
+  TimePoint authentication_looked_at_;
   EndpointLock data_lock_;
   EndpointLock control_lock_;
   zmq::socket_t data_;
@@ -126,6 +144,14 @@ class Front::Impl {
   std::uint64_t answered_n_ = 0;
   bool was_ready_ = false;
   std::optional<TimePoint> drain_until_;
+  Metrics metrics_;
+  Status status_;
+  Recorder recorder_;
+  std::string last_loss_;       ///< why the last worker ended
+  TimePoint memory_looked_at_;  ///< and what was seen then:
+  std::uint64_t front_memory_bytes_ = 0;
+  std::uint64_t workers_memory_bytes_ = 0;
+  std::optional<HttpEndpoint> http_;  ///< last: its threads look at the others
 };
 
 }  // namespace graspd::service

@@ -5,6 +5,12 @@
 #include "front_impl.hpp"
 
 namespace graspd::service {
+namespace {
+
+// Between two looks at who was refused, and at whether the thread that refuses is alive.
+constexpr std::chrono::milliseconds kAuthenticationInterval{500};
+
+}  // namespace
 
 void Front::Impl::test_authentication() {
   if (!authenticator_) return;
@@ -15,19 +21,23 @@ void Front::Impl::test_authentication() {
                       tested.error().message));
     }
   }
-  for (const std::string& fault : options_.authentication->allowed.faults()) {
-    log(LogLevel::kWarning, "{}", fault);
-  }
-  if (options_.authentication->allowed.entries().empty()) {
+  authenticates_ = true;
+  const keys::AllowList& allowed = options_.authentication->allowed;
+  for (const std::string& fault : allowed.faults()) log(LogLevel::kWarning, "{}", fault);
+  if (allowed.entries().empty()) {
     log(LogLevel::kWarning,
         "no cell is allowed yet: 'grasp keys allow' one, then reload with SIGHUP");
   }
 }
 
 void Front::Impl::tend_authentication() {
-  if (!authenticator_) return;
-  for (const std::string& notice : authenticator_->notices()) log(LogLevel::kWarning, "{}", notice);
-  const bool alive = authenticator_->alive(Clock::now());
+  const TimePoint now = Clock::now();
+  if (!authenticator_ || now - authentication_looked_at_ < kAuthenticationInterval) return;
+  authentication_looked_at_ = now;
+  const Authenticator::News news = authenticator_->news();
+  for (const std::string& notice : news.notices) log(LogLevel::kWarning, "{}", notice);
+  metrics_.auth_failed(AuthFailure::kUnknownKey, news.refused_n);
+  const bool alive = authenticator_->alive();
   if (authenticates_ && !alive) {
     log(LogLevel::kError,
         "authentication does not answer: not ready, and no client is let in; restart the server");
@@ -37,15 +47,8 @@ void Front::Impl::tend_authentication() {
   authenticates_ = alive;
 }
 
-/// A key that was taken out of the list while its client was connected. What it sent is not looked
-/// at, hence no request id.
-void Front::Impl::turn_away(zmq::socket_t& socket, const std::string& client) {
-  log(LogLevel::kInfo, "code={} \"a request under a key that is no longer allowed\"",
-      name_of(Code::kUnauthenticated));
-  Answer reply;
-  reply.code = Code::kUnauthenticated;
-  reply.message = "this key is not allowed any more; ask who runs the server for another one";
-  answer(socket, client, reply);
+void Front::Impl::know_cells(const keys::AllowList& allowed) {
+  for (const keys::PublicKey& key : allowed.entries()) metrics_.know(key.cell);
 }
 
 void Front::Impl::read_reload() {
@@ -71,6 +74,7 @@ void Front::Impl::reload_allowed_cells() {
     return;
   }
   for (const std::string& fault : allowed->faults()) log(LogLevel::kWarning, "reload: {}", fault);
+  know_cells(*allowed);
   log(LogLevel::kInfo, "reload: {} keys are allowed", allowed->entries().size());
   authenticator_->replace(*std::move(allowed));
 }
@@ -119,6 +123,7 @@ void Front::Impl::take_turns() {
     if (next_crew_->workers.all_ready()) {
       last_crew_ = std::exchange(crew_, std::move(next_crew_));
       last_crew_->workers.retire();
+      metrics_.serve(crew_->facts.server, crew_->facts.part_ids);
       log(LogLevel::kInfo, "reload: {} parts in force, catalogue {}", crew_->part_ids.size(),
           crew_->facts.server.catalogue_hash);
     }

@@ -4,24 +4,6 @@
 #include "graspd/codec/codec.hpp"
 
 namespace graspd::service {
-namespace {
-
-std::string hex(const RequestId& id) { return fmt::format("{:02x}", fmt::join(id, "")); }
-
-// One request, one line of the log, whatever an exception says.
-std::string printable(std::string_view text) {
-  std::string line(text);
-  for (char& c : line) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return line;
-}
-
-double ms_between(TimePoint from, TimePoint to) {
-  return std::chrono::duration<double, std::milli>(to - from).count();
-}
-
-}  // namespace
 
 void Front::Impl::take(Message message, Door door) {
   const std::string client = message.frames[0].to_string();
@@ -30,27 +12,40 @@ void Front::Impl::take(Message message, Door door) {
   if (authenticator_ && message.frames.size() > 1) {
     key_cell = authenticator_->cell_of(message.frames[1]);
     if (!key_cell) {
-      turn_away(socket, client);
+      // Revoked while its client was connected. What it sent is not looked at, hence no request id.
+      metrics_.auth_failed(AuthFailure::kRevokedKey);
+      refuse(socket, client,
+             {{},
+              {},
+              {Code::kUnauthenticated,
+               "this key is not allowed any more; ask who runs the server for another one"}});
       return;
     }
   }
   Incoming incoming = take_in(std::move(message), crew_->part_ids, door, key_cell);
-  Answer reply;
   if (auto* plan = std::get_if<PlanJob>(&incoming)) {
     admit(client, std::move(*plan));
-    return;
-  }
-  if (const auto* question = std::get_if<HealthQuestion>(&incoming)) {
+  } else if (const auto* question = std::get_if<HealthQuestion>(&incoming)) {
+    Answer reply;
     reply.id = question->id;
     reply.body = health();
+    answer(socket, client, reply);
   } else {
     auto& refused = std::get<Refused>(incoming);
-    log(LogLevel::kInfo, "id={} code={} \"{}\"", hex(refused.id), name_of(refused.error.code),
-        printable(refused.error.message));
-    reply.id = refused.id;
-    reply.code = refused.error.code;
-    reply.message = std::move(refused.error.message);
+    if (refused.error.code == Code::kUnauthenticated) {
+      metrics_.auth_failed(AuthFailure::kWrongCell);
+    }
+    refuse(socket, client, std::move(refused));
   }
+}
+
+void Front::Impl::refuse(zmq::socket_t& socket, const std::string& client, Refused refused) {
+  log_json(LogLevel::kInfo, log_line(refused));
+  metrics_.answered(refused.cell, refused.error.code, std::chrono::nanoseconds(0));
+  Answer reply;
+  reply.id = refused.id;
+  reply.code = refused.error.code;
+  reply.message = std::move(refused.error.message);
   answer(socket, client, reply);
 }
 
@@ -91,6 +86,8 @@ void Front::Impl::hear(Crew& crew, const std::string& identity, Message message)
   const std::string_view what = message.frames.at(1).to_string_view();
   if (what == verb::kReady) {
     greet(crew, identity, message);
+  } else if (what == verb::kUnfit) {
+    crew.workers.reject(identity, message.frames.at(2).to_string());
   } else if (what == verb::kDone) {
     conclude(crew, identity, std::move(message));
   }
@@ -116,17 +113,16 @@ void Front::Impl::greet(Crew& crew, const std::string& identity, const Message& 
 
 void Front::Impl::conclude(Crew& crew, const std::string& identity, Message message) {
   const Ticket ticket = number_of(message.frames.at(2));
-  const std::string_view code = message.frames.at(3).to_string_view();
-  const std::string_view detail = message.frames.at(4).to_string_view();
+  const Code code = parse_enum<Code>(message.frames.at(3).to_string_view()).value();
   if (crew.workers.release(identity, Clock::now()) != ticket) {
     log(LogLevel::kError, "{} concluded a request it did not hold", identity);
     return;
   }
   // One that ran out of time has taken at least so long.
-  finish(ticket, code == name_of(Code::kOk) || code == name_of(Code::kDeadlineExceeded));
+  finish(ticket, code == Code::kOk || code == Code::kDeadlineExceeded);
   const Job& job = jobs_.at(ticket);
   if (!job.answered) {
-    log_request(job.plan, code, detail, job.arrived, job.started);
+    tell(job, code, decode_work_report(message.frames.at(4).to_string_view()));
     send_to_client(data_, job.client, std::move(message.frames.at(5)));
   }
   jobs_.erase(ticket);
@@ -138,7 +134,7 @@ void Front::Impl::expire() {
     refuse(ticket, {Code::kDeadlineExceeded, "the request's budget ended while it was queued"});
   }
   for (auto& [ticket, job] : jobs_) {
-    if (job.running && !job.answered && job.deadline <= now) {
+    if (job.crew && !job.answered && job.deadline <= now) {
       refuse(ticket, {Code::kDeadlineExceeded, "the request's budget ended while it was computed"});
     }
   }
@@ -164,6 +160,10 @@ void Front::Impl::dispatch() {
 bool Front::Impl::start(Job& job, Ticket ticket, const std::string& identity) {
   const TimePoint now = Clock::now();
   const auto queue_ns = std::chrono::nanoseconds(now - job.arrived).count();
+  if (recorder_.is_on()) {
+    job.kept_envelope.copy(job.plan.envelope);
+    job.kept_payload.copy(job.plan.payload);
+  }
   std::vector<zmq::message_t> frames;
   frames.push_back(frame_of(identity));
   frames.push_back(frame_of(verb::kPlan));
@@ -173,7 +173,7 @@ bool Front::Impl::start(Job& job, Ticket ticket, const std::string& identity) {
   frames.push_back(std::move(job.plan.payload));
   if (send(workers_, std::move(frames)) != Sent::kYes) return false;
   crew_->workers.assign(identity, ticket, now);
-  job.running = true;
+  job.crew = crew_.get();
   job.started = now;
   return true;
 }
@@ -186,8 +186,7 @@ void Front::Impl::refuse(Ticket ticket, Error error, std::uint32_t retry_after_m
   const auto found = jobs_.find(ticket);
   Job& job = found->second;
   if (!job.answered) {
-    const TimePoint started = job.running ? job.started : Clock::now();
-    log_request(job.plan, name_of(error.code), error.message, job.arrived, started);
+    tell(job, error.code, {error.message, std::nullopt, 0, 0, {}});
     Answer reply;
     reply.id = job.plan.id;
     reply.code = error.code;
@@ -197,7 +196,7 @@ void Front::Impl::refuse(Ticket ticket, Error error, std::uint32_t retry_after_m
   }
   // A running job stays until its worker is heard of again.
   job.answered = true;
-  if (!job.running) jobs_.erase(found);
+  if (!job.crew) jobs_.erase(found);
 }
 
 void Front::Impl::answer(zmq::socket_t& socket, const std::string& client, const Answer& reply) {
@@ -220,30 +219,6 @@ void Front::Impl::send_to_client(zmq::socket_t& socket, const std::string& clien
       log(LogLevel::kWarning, "a client does not read its answers");
       return;
   }
-}
-
-HealthAnswer Front::Impl::health() const {
-  HealthAnswer health;
-  const bool ready = was_ready_ && authenticates_ && crew_->workers.ready_n() > 0;
-  health.state = drain_until_ ? ServerState::kDraining
-                              : (ready ? ServerState::kReady : ServerState::kStarting);
-  health.workers_n = static_cast<std::uint32_t>(crew_->workers.ready_n());
-  health.workers_busy_n = static_cast<std::uint32_t>(crew_->workers.busy_n());
-  health.queued_n = static_cast<std::uint32_t>(admission_.queued_n());
-  health.answered_n = answered_n_;
-  health.uptime_s = std::chrono::duration<double>(Clock::now() - started_).count();
-  health.part_ids = crew_->facts.part_ids;
-  health.server = crew_->facts.server;
-  return health;
-}
-
-void Front::Impl::log_request(const PlanJob& plan, std::string_view code, std::string_view detail,
-                              TimePoint arrived, TimePoint started) {
-  const bool ok = code == name_of(Code::kOk);
-  log(LogLevel::kInfo,
-      "id={} attempt={} cell={} parts={} code={} {}{}{} queue_ms={:.1f} total_ms={:.1f}",
-      hex(plan.id), plan.attempt, plan.cell, plan.parts, code, ok ? "" : "\"", printable(detail),
-      ok ? "" : "\"", ms_between(arrived, started), ms_between(arrived, Clock::now()));
 }
 
 }  // namespace graspd::service

@@ -48,13 +48,10 @@ Result<void> check_plan(const PlanCall& call, const Message& message,
   return {};
 }
 
-std::string names_of_parts(const PlanRequest& plan) {
-  std::string names;
-  for (const RequestedPart& part : plan.parts) {
-    if (!names.empty()) names += ',';
-    names += part.id;
-  }
-  return names;
+std::vector<std::string> ids_of(const std::vector<RequestedPart>& parts) {
+  std::vector<std::string> ids;
+  for (const RequestedPart& part : parts) ids.push_back(part.id);
+  return ids;
 }
 
 }  // namespace
@@ -66,11 +63,13 @@ Incoming take_in(Message message, const std::set<std::string>& part_ids, Door do
         message.arrived_n >= 2 && message.frames[1].size() <= kMaxRequestEnvelope_bytes;
     return readable ? codec::salvage_request_id(bytes_of(message.frames[1])) : RequestId{};
   };
-  if (auto ok = check_frames(message); !ok) return Refused{id(), ok.error()};
+  const std::string cell = key_cell.value_or("");
+  if (auto ok = check_frames(message); !ok) return Refused{id(), cell, ok.error()};
   Result<Request> request = codec::decode_request(bytes_of(message.frames[1]));
-  if (!request) return Refused{id(), request.error()};
+  if (!request) return Refused{id(), cell, request.error()};
   if (key_cell && request->cell != *key_cell) {
     return Refused{request->id,
+                   cell,
                    {Code::kUnauthenticated,
                     fmt::format("cell: the request says '{}', but it came under the key of '{}'; "
                                 "say the cell that the key belongs to, or use that cell's key",
@@ -80,13 +79,14 @@ Incoming take_in(Message message, const std::set<std::string>& part_ids, Door do
 
   const auto& call = std::get<PlanCall>(request->call);
   if (auto ok = check_plan(call, message, part_ids, door); !ok) {
-    return Refused{request->id, ok.error()};
+    return Refused{request->id, std::move(request->cell), ok.error()};
   }
   PlanJob job;
   job.id = request->id;
   job.attempt = request->attempt;
   job.cell = std::move(request->cell);
-  job.parts = names_of_parts(call.plan);
+  job.parts = ids_of(call.plan.parts);
+  job.frame = call.frame;
   job.budget = std::chrono::milliseconds(request->budget_ms);
   job.envelope = std::move(message.frames[1]);
   job.payload = std::move(message.frames[2]);

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "graspd/types/envelope.hpp"
 #include "messages.hpp"
@@ -16,7 +17,8 @@ struct PlanJob {
   RequestId id{};
   std::uint32_t attempt = 1;
   std::string cell;
-  std::string parts;  ///< "tee,elbow", for the log
+  std::vector<std::string> parts;
+  FrameDescription frame;
   std::chrono::milliseconds budget{0};
   zmq::message_t envelope;
   zmq::message_t payload;
@@ -28,6 +30,7 @@ struct HealthQuestion {
 
 struct Refused {
   RequestId id{};
+  std::string cell;  ///< the key's; without keys the request's, where it could be read
   Error error;
 };
 

@@ -50,12 +50,14 @@ inline std::uint64_t number_of(const zmq::message_t& frame) {
 ///                      STOP
 ///     worker → front   READY  catalogue hash  config hash
 ///                      BEAT
-///                      DONE  ticket  code  detail for the log  encoded answer
+///                      UNFIT  why, as a sentence: it will never be READY
+///                      DONE  ticket  code  work report  encoded answer
 namespace verb {
 inline constexpr std::string_view kPlan = "PLAN";
 inline constexpr std::string_view kStop = "STOP";
 inline constexpr std::string_view kReady = "READY";
 inline constexpr std::string_view kBeat = "BEAT";
+inline constexpr std::string_view kUnfit = "UNFIT";
 inline constexpr std::string_view kDone = "DONE";
 }  // namespace verb
 

@@ -30,7 +30,7 @@ void visit(perception::PreprocessParameters& p, Visitor& section) {
   section.number("plane_min_share", plane_min_share, 0, 1);
   section.number("max_behind_plane_share", max_behind_plane_share, 0, 1);
   section.number("normal_neighbours_n", normal_neighbours_n, 3, 1000);
-  section.number("wall_bow_m", wall_bow_m, 0, 0.02);
+  section.number("wall_bow_m", wall_bow_m, 0, perception::kMaxWallBow_m);
   section.flag("find_wall_bow", find_wall_bow);
   section.number("wall_reach_m", wall_reach_m, 1e-3, 1);
   section.number("bin_drift_warning_m", bin_drift_warning_m, 0, 1);

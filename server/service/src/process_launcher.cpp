@@ -47,6 +47,7 @@ class WorkerProcess : public WorkerHandle {
   void kill() override {
     if (!reason_) ::kill(pid_, SIGKILL);
   }
+  int pid() const override { return pid_; }
   std::string name() const override { return fmt::format("pid {}", pid_); }
 
  private:

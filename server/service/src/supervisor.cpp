@@ -61,6 +61,14 @@ std::vector<int> Supervisor::exit_fds() const {
   return fds;
 }
 
+std::vector<int> Supervisor::pids() const {
+  std::vector<int> pids;
+  for (const Worker& worker : workers_) {
+    if (worker.handle && worker.handle->pid() != 0) pids.push_back(worker.handle->pid());
+  }
+  return pids;
+}
+
 bool Supervisor::heard(const std::string& identity, TimePoint now) {
   Worker* worker = find(identity);
   if (worker == nullptr || worker->state == State::kDoomed) return false;

@@ -57,7 +57,8 @@ class WorkerThread : public WorkerHandle {
 
 std::unique_ptr<WorkerHandle> ThreadLauncher::launch(const std::string& endpoint,
                                                      const std::string& identity) {
-  return std::make_unique<WorkerThread>(handler_, WorkerOptions{endpoint, identity, server_});
+  return std::make_unique<WorkerThread>(handler_,
+                                        WorkerOptions{endpoint, identity, server_, golden_});
 }
 
 }  // namespace graspd::service

@@ -9,12 +9,15 @@
 #include "answer_size.hpp"
 #include "graspd/codec/codec.hpp"
 #include "messages.hpp"
+#include "work_report.hpp"
 #include "worker_loop.hpp"
 
 namespace graspd::service {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
+
+constexpr std::uint32_t kGoldenBudget_ms = 30'000;
 
 std::int64_t ns_since(SteadyClock::time_point start) {
   return std::chrono::nanoseconds(SteadyClock::now() - start).count();
@@ -62,21 +65,40 @@ Answer compute(const WorkerOptions& options, const PlanHandler& handler, std::in
   return answer;
 }
 
-std::string detail_of(const Answer& answer) {
+/// The whole way of a request, but for the sockets.
+Result<void> plan_golden_frame(const WorkerOptions& options, const PlanHandler& handler) {
+  if (!options.golden) return {};
+  const GoldenFrame& golden = *options.golden;
+  const codec::EncodedFrame frame = codec::encode_frame(golden.frame, DepthEncoding::kRaw);
+  Request request;
+  request.cell = "golden frame";
+  request.budget_ms = kGoldenBudget_ms;
+  request.call = PlanCall{frame.description, golden.request};
+  const Answer answer = compute(options, handler, 0, frame_of(codec::encode_request(request)),
+                                zmq::message_t(frame.payload.data(), frame.payload.size()));
   const auto* plan = std::get_if<PlanAnswer>(&answer.body);
-  if (plan == nullptr) return answer.message;
-  return fmt::format("outcome={} objects={} grasps={}", name_of(plan->outcome),
-                     plan->objects.size(), plan->grasps.size());
+  if (plan == nullptr) return fail(answer.code, "the golden frame: {}", answer.message);
+  if (auto ok = golden.check(*plan); !ok) {
+    return fail(Code::kInternal, "the golden frame: {}", ok.error().message);
+  }
+  return {};
+}
+
+std::vector<zmq::message_t> introduction(const WorkerOptions& options, const PlanHandler& handler) {
+  std::vector<zmq::message_t> frames;
+  if (const auto fit = plan_golden_frame(options, handler); !fit) {
+    frames.push_back(frame_of(verb::kUnfit));
+    frames.push_back(frame_of(fit.error().message));
+    return frames;
+  }
+  frames.push_back(frame_of(verb::kReady));
+  frames.push_back(frame_of(options.server.catalogue_hash));
+  frames.push_back(frame_of(options.server.config_hash));
+  return frames;
 }
 
 void work(zmq::socket_t& socket, const WorkerOptions& options, const PlanHandler& handler) {
-  (void)send(socket, [&] {
-    std::vector<zmq::message_t> ready;
-    ready.push_back(frame_of(verb::kReady));
-    ready.push_back(frame_of(options.server.catalogue_hash));
-    ready.push_back(frame_of(options.server.config_hash));
-    return ready;
-  }());
+  (void)send(socket, introduction(options, handler));
   std::vector<zmq::pollitem_t> items{{socket.handle(), 0, ZMQ_POLLIN, 0}};
   Message message;
   while (true) {
@@ -99,7 +121,7 @@ void work(zmq::socket_t& socket, const WorkerOptions& options, const PlanHandler
     done.push_back(std::move(frames[1]));
     std::string encoded = encode_within_limit(answer);
     done.push_back(frame_of(name_of(answer.code)));
-    done.push_back(frame_of(detail_of(answer)));
+    done.push_back(frame_of(encode(report_of(answer))));
     done.push_back(frame_of(encoded));
     (void)send(socket, std::move(done));
   }

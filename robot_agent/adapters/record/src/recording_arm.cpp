@@ -24,7 +24,7 @@ Result<RecordingArm> RecordingArm::create(const std::filesystem::path& path,
 }
 
 Result<void> RecordingArm::move(const agent::Motion& motion) {
-  if (motion.step == agent::Step::kPreGrasp) ++pick_n_;
+  last_step_ = motion.step;
   const Json line = {{"pick", pick_n_},
                      {"step", name_of(motion.step)},
                      {"path", name_of(motion.path)},
@@ -43,8 +43,11 @@ void RecordingArm::stop() {
 }
 
 Result<void> RecordingArm::open(double opening_width_m) {
-  const agent::Step step = closed_ ? agent::Step::kRelease : agent::Step::kOpen;
+  // Closed jaws tell nothing: they also stir.
+  const bool is_at_place = last_step_ == agent::Step::kPlace;
+  const agent::Step step = is_at_place ? agent::Step::kRelease : agent::Step::kOpen;
   closed_ = false;
+  if (step == agent::Step::kOpen) ++pick_n_;
   const Json line = {
       {"pick", pick_n_}, {"step", name_of(step)}, {"opening_width_m", opening_width_m}};
   return lines_.add(to_line(line));

@@ -10,9 +10,6 @@ namespace {
 using std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-/// Less than this between two states is an arm that stands.
-constexpr double kStill_rad = 1e-4;
-
 class Driver final : public agent::JointDriver {
  public:
   explicit Driver(const DriverOptions& options)
@@ -42,12 +39,13 @@ class Driver final : public agent::JointDriver {
     auto done = watch(trajectory);
     if (done) return done;
     return fail(done.error().code, "{}; {}", done.error().message,
-                is_stopped() ? "the arm was stopped"
-                             : "it is not seen to stand: the arm may be moving, use the emergency "
-                               "stop");
+                request_stop()
+                    ? "the arm was stopped"
+                    : "it is not seen to stand: the arm may be moving, use the emergency "
+                      "stop");
   }
 
-  void stop() override { static_cast<void>(is_stopped()); }
+  void stop() override { static_cast<void>(request_stop()); }
 
  private:
   /// One that comes after what waits in the queue.
@@ -86,14 +84,14 @@ class Driver final : public agent::JointDriver {
     }
   }
 
-  /// Asks to stop, and looks for two states alike within the watchdog's time.
-  bool is_stopped() {
+  /// \returns whether two states alike were seen within the watchdog's time.
+  bool request_stop() {
     topics_.command({});
     const auto until = steady_clock::now() + options_.watchdog;
     auto before_rad = next_state();
     while (before_rad && steady_clock::now() < until) {
       auto q_rad = next_state();
-      if (q_rad && (*q_rad - *before_rad).cwiseAbs().maxCoeff() < kStill_rad) return true;
+      if (q_rad && (*q_rad - *before_rad).cwiseAbs().maxCoeff() < agent::kStill_rad) return true;
       before_rad = std::move(q_rad);
     }
     return false;

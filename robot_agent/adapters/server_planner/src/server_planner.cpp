@@ -7,8 +7,6 @@
 namespace graspd::agent {
 namespace {
 
-std::string hexadecimal(const RequestId& id) { return fmt::format("{:02x}", fmt::join(id, "")); }
-
 class ServerPlanner final : public Planner {
  public:
   ServerPlanner(const std::vector<std::string>& endpoints, client::ClientOptions options,

@@ -44,7 +44,8 @@ EncodedFrame encode_frame(const DepthFrame& frame, DepthEncoding encoding);
 /// the frame fails `validate`.
 Result<DepthFrame> decode_frame(const FrameDescription& description, Bytes payload);
 
-/// For people and scripts: the protobuf JSON of an answer, one line or indented.
+/// For people and scripts: protobuf's JSON, one line or indented.
+std::string to_json(const PlanRequest& request, bool indented);
 std::string to_json(const PlanAnswer& answer, bool indented);
 std::string to_json(const HealthAnswer& answer, bool indented);
 

@@ -10,6 +10,7 @@ class Table {
  public:
   explicit Table(std::vector<std::string> header) : header_(std::move(header)) {}
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  bool is_empty() const { return rows_.empty(); }
   std::string to_text() const;
   std::string to_markdown() const;
   std::string to_csv() const;

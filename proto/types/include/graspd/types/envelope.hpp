@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cstdint>
 #include <string>
@@ -14,11 +16,16 @@
 namespace graspd {
 
 inline constexpr std::uint32_t kProtocolVersion = 1;
-inline constexpr std::size_t kMaxRequestEnvelope_bytes = 16 * 1024;
+inline constexpr std::size_t kMaxRequestEnvelope_bytes = 128 * 1024;
 inline constexpr std::size_t kMaxPayload_bytes = 1024 * 1024;
 inline constexpr std::size_t kMaxAnswer_bytes = 256 * 1024;
 
 using RequestId = std::array<std::uint8_t, 16>;
+
+/// As logs, records and file names have it.
+inline std::string hexadecimal(const RequestId& id) {
+  return fmt::format("{:02x}", fmt::join(id, ""));
+}
 
 enum class DepthEncoding { kRaw, kRvl };
 
@@ -63,6 +70,28 @@ struct EnumNames<ServerState> {
       {ServerState::kDraining, "draining"}};
 };
 
+/// Load that a server could not take, and that more servers would.
+constexpr bool is_shed(Code code) {
+  return code == Code::kBusy || code == Code::kSuperseded || code == Code::kDeadlineExceeded ||
+         code == Code::kDraining;
+}
+
+/// Defects of a server, which somebody has to look into.
+constexpr bool is_broken(Code code) {
+  return code == Code::kInternal || code == Code::kRejectedPoison;
+}
+
+/// Since the server started.
+struct CodeCount {
+  Code code = Code::kOk;
+  std::uint64_t answers_n = 0;
+};
+struct StageTotal {
+  std::string stage;
+  std::uint64_t runs_n = 0;
+  std::int64_t total_ns = 0;
+};
+
 struct HealthAnswer {
   ServerState state = ServerState::kStarting;
   std::uint32_t workers_n = 0;
@@ -72,6 +101,10 @@ struct HealthAnswer {
   double uptime_s = 0;
   std::vector<std::string> part_ids;
   ServerInfo server;
+  std::vector<CodeCount> answers_by_code;  ///< of plan requests
+  std::vector<StageTotal> stages;
+  std::uint64_t workers_lost_n = 0;
+  std::uint64_t memory_bytes = 0;  ///< resident, of the server and its workers
 };
 
 /// Any code but OK comes with a message and no body.

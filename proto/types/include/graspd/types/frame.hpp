@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "graspd/types/result.hpp"
@@ -19,6 +21,8 @@ struct CameraIntrinsics {
   double cx_px = 0;
   double cy_px = 0;
   std::array<double, 5> distortion{};  ///< k1, k2, p1, p2, k3; all zero where images are rectified.
+
+  bool operator==(const CameraIntrinsics&) const = default;
 };
 
 /// One depth image, row by row from the top left. 0 is "no reading"; any other value times
@@ -27,6 +31,9 @@ struct DepthFrame {
   CameraIntrinsics camera;
   double depth_scale_m = 0.001;
   std::vector<std::uint16_t> depth;  ///< width × height
+  /// When its exposure began, on the monotonic clock of the cell that took it; recordings don't
+  /// say. Stays in the cell: the server needs no clock.
+  std::optional<std::chrono::nanoseconds> stamp = std::nullopt;
 
   std::uint16_t at(int u, int v) const {
     return depth[static_cast<std::size_t>(v) * static_cast<std::size_t>(camera.width_px) +

@@ -137,11 +137,13 @@ struct LastPlan {
   std::optional<std::uint32_t> picked_object_id;  ///< left out of the displacement check
 };
 
-/// A spot where a grasp has failed: grasps within its radius are ranked down.
+/// A spot where a grasp has failed, or that the arm could not take: grasps within its radius are
+/// ranked down.
 struct FailedSpot {
   Eigen::Vector3d p_base_m = Eigen::Vector3d::Zero();
   double radius_m = 0.02;
   std::uint32_t failures_n = 1;
+  std::string reason;  ///< for whoever reads the request: a short sentence
 };
 
 struct PlanRequest {

@@ -31,8 +31,8 @@ struct DepthFit {
   double image_share = 0;  ///< seen by any view; elsewhere the correction is extrapolated
 };
 
-/// \param board where it has a plain margin only that is read: a time-of-flight camera reads dark
-/// print too far or too near.
+/// \param board where it has a plain margin only that is read: what a time-of-flight camera reads
+/// depends on how much a surface reflects.
 /// \returns INVALID_ARGUMENT for fewer than three views, a view of another size than the camera's,
 /// or one that hardly reads the board.
 Result<DepthFit> fit_depth_correction(std::span<const DepthView> views, const Board& board,

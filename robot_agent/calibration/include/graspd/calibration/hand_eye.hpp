@@ -5,8 +5,9 @@
 #include "graspd/calibration/board.hpp"
 
 /// Where an overhead camera stands: from images of a board on the arm's flange, and the flange's
-/// poses. SHAH's closed form (the common ones are singular or metres off for a camera that looks
-/// straight down), then a refinement that weighs the corners by the noise of image and arm.
+/// poses. SHAH's closed form (OpenCV's default, Tsai's, is singular for a camera that looks
+/// straight down, turned by 180°), then a refinement that weighs the corners by the noise of image
+/// and arm.
 namespace graspd::calibration {
 
 /// One image, and where the arm said its flange was.

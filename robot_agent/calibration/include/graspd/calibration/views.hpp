@@ -26,7 +26,7 @@ struct RecordedView {
 /// What comes out of this is mirrored back.
 struct Recording {
   Board board;
-  bool is_mirrored = false;
+  CameraIntrinsics camera;  ///< of the views, mirrored back
   std::vector<RecordedView> views;
 };
 

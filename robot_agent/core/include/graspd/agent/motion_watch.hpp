@@ -5,8 +5,11 @@
 
 #include "graspd/agent/joint_driver.hpp"
 
-/// What every driver of a real arm checks before and during a motion, whatever it talks to.
+/// What drivers of arms check before and during a motion, whatever they talk to.
 namespace graspd::agent {
+
+/// Less than this between two reports is an arm that stands: encoders tick, and belts creep.
+inline constexpr double kStill_rad = 1e-4;
 
 struct WatchLimits {
   double start_tolerance_rad = 0.05;  ///< of the first point from where the arm stands

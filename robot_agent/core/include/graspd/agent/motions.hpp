@@ -9,18 +9,23 @@
 
 namespace graspd::agent {
 
-/// What the arm and the gripper do in one pick, in this order.
+/// What the arm and the gripper do in one pick, in this order, and what they do to stir the pile.
 enum class Step {
-  kPreGrasp,
   kOpen,
+  kPreGrasp,
   kApproach,
   kClose,
   kLift,
+  kCheck,  ///< whether the gripper holds something: after the lift, the transfer and the release
   kTransfer,
   kPlace,
   kRelease,
   kRetreat,
   kOutOfView,
+  kStirAbove,
+  kStirDown,
+  kStirAcross,
+  kStirUp,
 };
 
 }  // namespace graspd::agent
@@ -29,11 +34,21 @@ template <>
 struct graspd::EnumNames<graspd::agent::Step> {
   using Step = agent::Step;
   static constexpr std::string_view what = "step";
-  static constexpr std::pair<Step, std::string_view> values[] = {
-      {Step::kPreGrasp, "pre_grasp"},   {Step::kOpen, "open"},       {Step::kApproach, "approach"},
-      {Step::kClose, "close"},          {Step::kLift, "lift"},       {Step::kTransfer, "transfer"},
-      {Step::kPlace, "place"},          {Step::kRelease, "release"}, {Step::kRetreat, "retreat"},
-      {Step::kOutOfView, "out_of_view"}};
+  static constexpr std::pair<Step, std::string_view> values[] = {{Step::kPreGrasp, "pre_grasp"},
+                                                                 {Step::kOpen, "open"},
+                                                                 {Step::kApproach, "approach"},
+                                                                 {Step::kClose, "close"},
+                                                                 {Step::kLift, "lift"},
+                                                                 {Step::kCheck, "check"},
+                                                                 {Step::kTransfer, "transfer"},
+                                                                 {Step::kPlace, "place"},
+                                                                 {Step::kRelease, "release"},
+                                                                 {Step::kRetreat, "retreat"},
+                                                                 {Step::kOutOfView, "out_of_view"},
+                                                                 {Step::kStirAbove, "stir_above"},
+                                                                 {Step::kStirDown, "stir_down"},
+                                                                 {Step::kStirAcross, "stir_across"},
+                                                                 {Step::kStirUp, "stir_up"}};
 };
 
 namespace graspd::agent {
@@ -49,6 +64,8 @@ struct Motion {
   Step step = Step::kPreGrasp;
   Path path = Path::kFree;
   Eigen::Isometry3d T_base_grasp = Eigen::Isometry3d::Identity();
+  double speed_share = 1;      ///< of the speed that the arm would take, in (0, 1]
+  double opening_width_m = 0;  ///< how far the jaws may be apart meanwhile
 };
 
 /// The six motions of one pick. Above the place the arm keeps the height it retreats by.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "graspd/types/answer.hpp"
@@ -21,6 +22,12 @@ class PickMemory {
   void failed(const Grasp& grasp);
   /// Nothing could be grasped: registered anew, another frame may show more.
   void nothing_grasped() { last_plan_.reset(); }
+  /// What failed is not in the next bin.
+  void bin_emptied() { failed_spots_.clear(); }
+  /// The arm could not take this grasp of the present plan: it is ranked down in the next one.
+  void passed_over(const Grasp& grasp, std::string_view reason);
+  /// A plan came: what was passed over in the one before is forgotten.
+  void planned() { passed_over_.clear(); }
 
   void add_to(PlanRequest& request) const;
 
@@ -30,6 +37,7 @@ class PickMemory {
   double radius_m_;
   std::optional<LastPlan> last_plan_;
   std::vector<FailedSpot> failed_spots_;  ///< oldest first
+  std::vector<FailedSpot> passed_over_;   ///< best first
 };
 
 }  // namespace graspd::agent

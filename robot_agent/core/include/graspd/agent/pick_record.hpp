@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "graspd/agent/motions.hpp"
+#include "graspd/agent/reactions.hpp"
 #include "graspd/types/answer.hpp"
 #include "graspd/types/frame.hpp"
 #include "graspd/types/request.hpp"
@@ -32,22 +34,43 @@ struct ChosenGrasp {
   GrsTerms grs;
 };
 
+/// A grasp that the arm could not take.
+struct PassedOver {
+  std::size_t rank = 0;  ///< 1 is the server's best
+  std::uint32_t object_id = 0;
+  std::string part_id;
+  std::string pick_point;
+  std::string reason;  ///< a sentence
+};
+
+struct StepTiming {
+  Step step = Step::kPreGrasp;
+  std::chrono::nanoseconds duration{};
+};
+
 /// One frame's story, complete when the cycle is ready for the next frame or has ended.
 struct PickRecord {
-  std::uint64_t frame_n = 0;  ///< counted from 0
+  std::uint64_t frame_n = 0;         ///< counted from 0
+  std::chrono::nanoseconds start{};  ///< on the cell's clock, before the frame was asked for
+  std::chrono::nanoseconds end{};
   std::string request_id;
   Code code = Code::kOk;           ///< of the answer, or why there was none
   std::optional<Outcome> outcome;  ///< where there was an answer
   std::string message;             ///< a sentence for everything but a part that was placed
   std::size_t objects_n = 0;
   std::size_t grasps_n = 0;
+  std::vector<PassedOver> passed_over;  ///< by rank
   std::optional<ChosenGrasp> chosen;
   std::optional<Verdict> verdict;
+  std::optional<Reaction> reaction;  ///< where there was nothing to pick
   std::chrono::nanoseconds acquire{};
-  std::chrono::nanoseconds plan{};  ///< as the agent waited for it: network and queue included
+  std::chrono::nanoseconds plan{};    ///< as the agent waited for it: network and queue included
+  std::chrono::nanoseconds choose{};  ///< the arm's search for the first grasp that it can take
   std::chrono::nanoseconds pick{};
   std::chrono::nanoseconds place{};
+  std::chrono::nanoseconds stir{};
   std::chrono::nanoseconds clear_view{};
+  std::vector<StepTiming> steps;  ///< what pick, place, stir and clear_view are made of, in order
   std::vector<StageTiming> server_timings;
 };
 
@@ -55,9 +78,10 @@ struct PickRecord {
 class Observer {
  public:
   virtual ~Observer() = default;
-  /// An answer came. \param frame_n as in the record that follows.
+  /// A plan was asked for, and this is what came of it; twice for a frame whose last plan stood,
+  /// but was out of reach. \param frame_n as in the record that follows.
   virtual void planned(std::uint64_t frame_n, const DepthFrame& frame, const PlanRequest& request,
-                       const PlanAnswer& answer) = 0;
+                       const Result<PlanAnswer>& answer) = 0;
   virtual void finished(const PickRecord& record) = 0;
 };
 

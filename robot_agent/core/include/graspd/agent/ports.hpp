@@ -12,8 +12,8 @@
 #include "graspd/types/request.hpp"
 
 /// All that the pick cycle knows of the world. Each adapter stands for one outside thing: a camera
-/// or a recording, an arm, a gripper, the perception server, the clock. The cycle calls them from
-/// one thread; every call blocks until it is done or has failed.
+/// or a recording, an arm, a gripper, the perception server, the clock, the cell's operator. The
+/// cycle calls them from one thread; every call blocks until it is done or has failed.
 ///
 /// An Error says that the thing itself failed: the cycle then stops. "The gripper is empty" and
 /// "out of reach" are not errors but answers.
@@ -23,6 +23,8 @@ class Camera {
  public:
   virtual ~Camera() = default;
   /// The newest frame of a camera, the next one of a recording; nothing when there will be no more.
+  /// A camera that may give a frame from before the call stamps it: what is from before the arm's
+  /// last motion is not planned on.
   virtual Result<std::optional<DepthFrame>> next() = 0;
 };
 
@@ -52,7 +54,7 @@ class Gripper {
   virtual Result<void> open(double opening_width_m) = 0;
   /// Until something is held, or nothing is left to close.
   virtual Result<void> close() = 0;
-  /// Whether there is something between the closed fingers.
+  /// Whether there is something between the closed fingers; never with fingers that were opened.
   virtual Result<bool> holds_something() = 0;
 };
 
@@ -66,6 +68,16 @@ class Planner {
  public:
   virtual ~Planner() = default;
   virtual PlanReply plan(const DepthFrame& frame, const PlanRequest& request) = 0;
+};
+
+enum class OperatorSays { kGoOn, kStop };
+
+/// Whoever looks after the cell.
+class Operator {
+ public:
+  virtual ~Operator() = default;
+  /// Waits until the operator has answered. \param what a sentence: what is the matter.
+  virtual OperatorSays ask(const std::string& what) = 0;
 };
 
 /// Monotonic time.

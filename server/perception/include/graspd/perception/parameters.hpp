@@ -8,6 +8,9 @@
 /// how to change them.
 namespace graspd::perception {
 
+/// More than any wall bows an image.
+inline constexpr double kMaxWallBow_m = 0.02;
+
 /// Lengths that follow the part's size are given as shares of its diameter.
 struct PreprocessParameters {
   double min_depth_m = 0.3;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -59,6 +60,8 @@ class PoseVerifier {
  public:
   /// Enough for a first look: the leading points of a view are spread as far as can be.
   static constexpr std::size_t kCoarsePoints = parts::RegistrationModel::kSpreadPoints;
+  /// As many as the view has.
+  static constexpr std::size_t kAllPoints = std::numeric_limits<std::size_t>::max();
 
   /// The arguments must outlive the verifier; the grid may change between calls.
   PoseVerifier(const DepthGrid& grid, std::span<const parts::Part* const> parts,

@@ -24,6 +24,9 @@ struct ServerConfig {
   std::uint32_t worker_time_limit_ms = 30'000;
   std::uint32_t drain_limit_ms = 10'000;
   LogLevel log_level = LogLevel::kInfo;
+  std::filesystem::path record_failed;  ///< empty: keep nothing; relative to the file that says it
+  std::string http_endpoint;            ///< tcp://HOST:PORT; empty: no HTTP
+  bool http_expose = false;             ///< HTTP may listen beyond this machine
   perception::Parameters perception;
 };
 

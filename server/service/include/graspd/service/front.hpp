@@ -24,6 +24,7 @@
 ///
 ///     clients ── data ROUTER ──▶ take_in ─▶ Admission ─▶ Supervisor ── workers ROUTER ──▶ workers
 ///     probes ─── control ROUTER ─▶ health
+///     Prometheus, probes ── HTTP, on threads of its own ─▶ Metrics, Status
 ///
 /// Guarantees: every request that can be answered gets exactly one answer; health is answered
 /// within the time of one turn of the loop, whatever the load; when told to drain, everything
@@ -82,6 +83,8 @@ class Front {
 
   std::string data_endpoint() const;
   std::string control_endpoint() const;
+  /// http://HOST:PORT; empty where there is no HTTP.
+  std::string http_url() const;
   /// Serves until told to stop and drained.
   /// \throws std::exception where it can't go on: workers that never get ready, no memory,
   /// authentication that lets in whom it should not.

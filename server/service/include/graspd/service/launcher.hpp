@@ -19,6 +19,8 @@ class WorkerHandle {
   virtual std::optional<std::string> exit_reason() = 0;
   /// Ends it now, whatever it is doing. It has ended when `exit_fd` says so.
   virtual void kill() = 0;
+  /// 0 where it is no process of its own.
+  virtual int pid() const { return 0; }
   /// For logs: "pid 4711".
   virtual std::string name() const = 0;
 };
@@ -50,14 +52,16 @@ class ProcessLauncher : public WorkerLauncher {
 /// can't be killed: one that hangs, hangs; one that crashes takes the server with it.
 class ThreadLauncher : public WorkerLauncher {
  public:
-  ThreadLauncher(PlanHandler handler, ServerInfo server)
-      : handler_(std::move(handler)), server_(std::move(server)) {}
+  ThreadLauncher(PlanHandler handler, ServerInfo server,
+                 std::shared_ptr<const GoldenFrame> golden = nullptr)
+      : handler_(std::move(handler)), server_(std::move(server)), golden_(std::move(golden)) {}
   std::unique_ptr<WorkerHandle> launch(const std::string& endpoint,
                                        const std::string& identity) override;
 
  private:
   PlanHandler handler_;
   ServerInfo server_;
+  std::shared_ptr<const GoldenFrame> golden_;
 };
 
 }  // namespace graspd::service

@@ -10,7 +10,8 @@ namespace graspd::service {
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError, kOff };
 
-/// Where log lines go. Called from the front's thread only.
+/// Where log lines go: each is one JSON object without a line feed. Called from the front's thread
+/// only.
 using Log = std::function<void(LogLevel, std::string_view)>;
 
 }  // namespace graspd::service

@@ -44,6 +44,8 @@ class Supervisor {
   /// When to call `tend` again, where no exit_fd becomes readable before.
   TimePoint next_tend() const;
   std::vector<int> exit_fds() const;
+  /// Of the workers that are processes.
+  std::vector<int> pids() const;
 
   /// A worker has said something. \returns false for one that is not ours (any more).
   bool heard(const std::string& identity, TimePoint now);

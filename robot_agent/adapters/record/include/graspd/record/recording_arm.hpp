@@ -40,6 +40,7 @@ class RecordingArm final : public agent::Arm, public agent::Gripper {
   JsonLines lines_;
   std::uint64_t pick_n_ = 0;  ///< picks begun so far
   bool closed_ = false;
+  agent::Step last_step_ = agent::Step::kOutOfView;  ///< that it moved for
 };
 
 }  // namespace graspd::record

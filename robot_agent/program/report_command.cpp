@@ -1,0 +1,41 @@
+#include <spdlog/spdlog.h>
+
+#include "commands.hpp"
+#include "graspd/command_line/run_program.hpp"
+#include "pick_report.hpp"
+
+namespace graspd::robot_agent {
+namespace {
+
+struct ReportArguments {
+  std::filesystem::path folder;
+  bool markdown = false;
+};
+
+int report(const ReportArguments& arguments) {
+  const auto runs = record::read_runs(arguments.folder);
+  if (!runs) {
+    spdlog::error("{}", runs.error().message);
+    return kExitWrongInput;
+  }
+  fmt::print("{}", pick_report(*runs, arguments.markdown));
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& app) {
+  const auto arguments = std::make_shared<ReportArguments>();
+  CLI::App* command = app.add_subcommand("report", "sum up the records of one run or of many");
+  command->add_option("DIR", arguments->folder, "a run's folder, or one with runs in it")
+      ->required();
+  command->add_flag("--markdown", arguments->markdown, "tables for a document");
+  command->footer(
+      "Prints success, picks per hour, the share of planning, and tables by part, failure and "
+      "step.\n\nExample: robot_agent report build/demo/records");
+  command->callback([arguments] {
+    if (const int code = report(*arguments)) throw CLI::RuntimeError(code);
+  });
+}
+
+}  // namespace graspd::robot_agent

@@ -1,0 +1,209 @@
+#include "cell_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+
+#include "graspd/eval/quantile.hpp"
+
+namespace graspd::bench {
+namespace {
+
+constexpr const char* kPicksHeader =
+    "pipeline,part,seed,pick,verdict,others_moved_mm,planning_s,cpu_s,why\n";
+constexpr const char* kBinsHeader =
+    "pipeline,part,seed,parts,placed,duration_s,planning_s,wall_s,reason\n";
+constexpr std::size_t kColumns = 9;
+
+std::string line_of(const BinKey& key, const PickRow& row) {
+  return fmt::format("{},{},{},{},{},{:.2f},{:.4f},{:.3f},{}\n", key.pipeline, key.part, key.seed,
+                     row.pick_n, row.verdict, 1e3 * row.others_moved_m, row.planning_s, row.cpu_s,
+                     row.why);
+}
+
+std::string line_of(const BinKey& key, const BinRow& row) {
+  return fmt::format("{},{},{},{},{},{:.3f},{:.3f},{:.2f},{}\n", key.pipeline, key.part, key.seed,
+                     row.parts_n, row.placed_n, row.duration_s, row.planning_s, row.wall_s,
+                     row.reason);
+}
+
+void append(const std::filesystem::path& path, const std::string& text, bool truncate = false) {
+  std::ofstream file(path, truncate ? std::ios::trunc : std::ios::app);
+  file << text << std::flush;
+  if (!file) throw std::runtime_error(path.string() + ": can't be written; is its folder there?");
+}
+
+/// The rows below the header; the last column may hold commas.
+std::vector<std::vector<std::string>> rows_of(const std::filesystem::path& path) {
+  std::vector<std::vector<std::string>> rows;
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    std::vector<std::string>& row = rows.emplace_back();
+    std::istringstream cells(line);
+    std::string cell;
+    while (row.size() + 1 < kColumns && std::getline(cells, cell, ',')) row.push_back(cell);
+    std::getline(cells, cell);
+    row.push_back(cell);
+    // The run was stopped while this line was written.
+    if (row.size() < kColumns) rows.pop_back();
+  }
+  return rows;
+}
+
+BinKey key_of(const std::vector<std::string>& row) { return {row[0], row[1], std::stoi(row[2])}; }
+
+struct Interval {
+  double low = 0, high = 0;
+};
+
+/// Wilson's, 95 %.
+Interval wilson(int hits_n, int all_n) {
+  if (all_n == 0) return {0, 1};
+  constexpr double z = 1.959964;
+  const double n = all_n, p = hits_n / n;
+  const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
+  const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+  return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
+}
+
+struct Sums {
+  std::string part, pipeline;
+  int bins_n = 0, picks_n = 0, success_n = 0, collision_n = 0, parts_n = 0, placed_n = 0;
+  double duration_s = 0, planning_s = 0;
+  std::vector<double> cpu_s, others_moved_mm;
+
+  double share(int hits_n, int all_n) const { return all_n == 0 ? 0 : double(hits_n) / all_n; }
+  double picks_per_hour() const { return duration_s > 0 ? 3600 * placed_n / duration_s : 0; }
+  double planning_share() const { return duration_s > 0 ? planning_s / duration_s : 0; }
+  double mean(const std::vector<double>& values) const {
+    return std::reduce(values.begin(), values.end()) / std::max(1.0, double(values.size()));
+  }
+  double median(const std::vector<double>& values) const {
+    return values.empty() ? 0 : eval::quantile(values, 0.5);
+  }
+};
+
+std::vector<Sums> sums_of(const std::vector<BinResult>& results) {
+  std::vector<Sums> all;
+  for (const BinResult& result : results) {
+    auto sums = std::ranges::find_if(all, [&](const Sums& one) {
+      return one.part == result.key.part && one.pipeline == result.key.pipeline;
+    });
+    if (sums == all.end()) {
+      sums = all.insert(all.end(), Sums());
+      sums->part = result.key.part;
+      sums->pipeline = result.key.pipeline;
+    }
+    ++sums->bins_n;
+    sums->parts_n += result.bin.parts_n;
+    sums->placed_n += result.bin.placed_n;
+    sums->duration_s += result.bin.duration_s;
+    sums->planning_s += result.bin.planning_s;
+    for (const PickRow& pick : result.picks) {
+      ++sums->picks_n;
+      sums->success_n += pick.verdict == "SUCCESS";
+      sums->collision_n += pick.verdict == "COLLISION";
+      sums->cpu_s.push_back(pick.cpu_s);
+      sums->others_moved_mm.push_back(1e3 * pick.others_moved_m);
+    }
+  }
+  return all;
+}
+
+std::string percent(int hits_n, int all_n) {
+  const Interval interval = wilson(hits_n, all_n);
+  return fmt::format("{:.1f} ({:.1f}–{:.1f})", all_n == 0 ? 0 : 100.0 * hits_n / all_n,
+                     100 * interval.low, 100 * interval.high);
+}
+
+}  // namespace
+
+CellLog::CellLog(const std::string& stem, bool fresh)
+    : picks_path_(stem + "_picks.csv"), bins_path_(stem + "_bins.csv") {
+  if (!fresh) read();
+  rewrite();
+}
+
+void CellLog::read() {
+  for (const auto& row : rows_of(bins_path_)) {
+    at(key_of(row)).bin = {std::stoi(row[3]), std::stoi(row[4]), std::stod(row[5]),
+                           std::stod(row[6]), std::stod(row[7]), row[8]};
+    done_.push_back(key_of(row));
+  }
+  for (const auto& row : rows_of(picks_path_)) {
+    if (!has(key_of(row))) continue;
+    at(key_of(row))
+        .picks.push_back({std::stoi(row[3]), row[4], row[8], 1e-3 * std::stod(row[5]),
+                          std::stod(row[6]), std::stod(row[7])});
+  }
+}
+
+void CellLog::rewrite() {
+  std::string picks = kPicksHeader, bins = kBinsHeader;
+  for (const BinResult& result : results_) {
+    for (const PickRow& pick : result.picks) picks += line_of(result.key, pick);
+    bins += line_of(result.key, result.bin);
+  }
+  append(picks_path_, picks, true);
+  append(bins_path_, bins, true);
+}
+
+BinResult& CellLog::at(const BinKey& key) {
+  const auto known = std::ranges::find(results_, key, &BinResult::key);
+  return known == results_.end() ? results_.emplace_back(BinResult{key, {}, {}}) : *known;
+}
+
+bool CellLog::has(const BinKey& key) const { return std::ranges::find(done_, key) != done_.end(); }
+
+void CellLog::add(const BinKey& key, const PickRow& pick) {
+  at(key).picks.push_back(pick);
+  append(picks_path_, line_of(key, pick));
+}
+
+void CellLog::add(const BinKey& key, const BinRow& bin) {
+  at(key).bin = bin;
+  done_.push_back(key);
+  append(bins_path_, line_of(key, bin));
+}
+
+Table cell_table(const std::vector<BinResult>& results) {
+  Table table({"part", "pipeline", "bins", "picks", "success %", "collision %", "emptied %",
+               "picks per hour", "planning %", "others moved, median mm", "CPU s a pick, mean"});
+  for (const Sums& sums : sums_of(results)) {
+    table.add({sums.part, sums.pipeline, fmt::to_string(sums.bins_n), fmt::to_string(sums.picks_n),
+               percent(sums.success_n, sums.picks_n), percent(sums.collision_n, sums.picks_n),
+               percent(sums.placed_n, sums.parts_n), fmt::format("{:.0f}", sums.picks_per_hour()),
+               fmt::format("{:.1f}", 100 * sums.planning_share()),
+               fmt::format("{:.1f}", sums.median(sums.others_moved_mm)),
+               fmt::format("{:.2f}", sums.mean(sums.cpu_s))});
+  }
+  return table;
+}
+
+nlohmann::json cell_figures(const std::vector<BinResult>& results) {
+  nlohmann::json figures;
+  for (const Sums& sums : sums_of(results)) {
+    const Interval success = wilson(sums.success_n, sums.picks_n);
+    const Interval collision = wilson(sums.collision_n, sums.picks_n);
+    figures[sums.part][sums.pipeline] = {{"bins", sums.bins_n},
+                                         {"picks", sums.picks_n},
+                                         {"success", sums.share(sums.success_n, sums.picks_n)},
+                                         {"success_interval", {success.low, success.high}},
+                                         {"collision", sums.share(sums.collision_n, sums.picks_n)},
+                                         {"collision_interval", {collision.low, collision.high}},
+                                         {"emptied", sums.share(sums.placed_n, sums.parts_n)},
+                                         {"picks_per_hour", sums.picks_per_hour()},
+                                         {"planning_share", sums.planning_share()},
+                                         {"cpu_s_per_pick", sums.mean(sums.cpu_s)}};
+  }
+  return figures;
+}
+
+}  // namespace graspd::bench
