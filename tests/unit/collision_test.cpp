@@ -308,6 +308,7 @@ TEST_F(Collision, WallsEndAtTheRimAndFloorsDoNot) {
   EXPECT_EQ(at(0.21, 0.01), CheckState::kFailed) << "the palm, 50 mm to each side, in the wall";
   EXPECT_EQ(at(0.21, 0.11), CheckState::kPassed) << "the palm above the rim";
   EXPECT_EQ(at(0.23, 0.11), CheckState::kFailed) << "a jaw in the wall";
+  EXPECT_EQ(at(0.253, 0.11), CheckState::kFailed) << "the wall between the jaws";
   EXPECT_EQ(at(0.25, 0.16), CheckState::kPassed) << "all above the rim";
   EXPECT_EQ(at(0.32, 0.01), CheckState::kPassed) << "beside the bin";
 }

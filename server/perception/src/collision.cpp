@@ -159,13 +159,16 @@ Verdict CollisionScene::gripper_parts(const Eigen::Isometry3d& T_floor_grasp,
 Verdict CollisionScene::gripper_bin(const Eigen::Isometry3d& T_floor_grasp,
                                     const SweptGripper& swept) const {
   if (!bin_ || !is_on(Check::kGripperBin)) return {};
-  for (const GripperBox& box : swept.boxes()) {
+  const auto crosses = [&](const GripperBox& box) {
     const OrientedBox in_floor(T_floor_grasp, box.box_m);
-    if (lowest_m(in_floor) < 0) return failed(box);
-    for (const OrientedBox& wall : walls_) {
-      if (overlap(in_floor, wall)) return failed(box);
-    }
+    return lowest_m(in_floor) < 0 ||
+           std::ranges::any_of(walls_, [&](const auto& wall) { return overlap(in_floor, wall); });
+  };
+  for (const GripperBox& box : swept.boxes()) {
+    if (crosses(box)) return failed(box);
   }
+  // A wall between the open jaws would be gripped with the part.
+  if (swept.closing() && crosses(*swept.closing())) return failed(*swept.closing());
   return passed();
 }
 

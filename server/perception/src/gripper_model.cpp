@@ -18,6 +18,7 @@ SweptGripper::SweptGripper(const Gripper& gripper, double opening_m)
   const double outer_m = inner_m + jaw_m.x();
   add("jaw", {-outer_m, -jaw_m.y() / 2, -jaw_m.z()}, {-inner_m, jaw_m.y() / 2, 0}, true);
   add("jaw", {inner_m, -jaw_m.y() / 2, -jaw_m.z()}, {outer_m, jaw_m.y() / 2, 0}, true);
+  closing_ = GripperBox{"jaw", boxes_[1].box_m.merged(boxes_[2].box_m), true};
 }
 
 void SweptGripper::add(std::string_view name, const Eigen::Vector3d& min_m,

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -25,6 +26,8 @@ class SweptGripper {
   SweptGripper(const Gripper& gripper, double opening_m);
 
   std::span<const GripperBox> boxes() const { return {boxes_.data(), boxes_n_}; }
+  /// The jaws and all between them, which they cross while they close; none of a suction cup.
+  const std::optional<GripperBox>& closing() const { return closing_; }
 
  private:
   void add(std::string_view name, const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m,
@@ -33,6 +36,7 @@ class SweptGripper {
   double standoff_m_;
   std::array<GripperBox, 3> boxes_;
   std::size_t boxes_n_ = 0;
+  std::optional<GripperBox> closing_;
 };
 
 /// A box anywhere: centre, half sizes, axes as columns.
