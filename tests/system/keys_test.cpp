@@ -73,6 +73,10 @@ TEST_F(KeysSystemTest, ACellWithAnAllowedKeyIsServedAndNobodyElse) {
   const Finished known = health(server, "tees");
   EXPECT_EQ(known.exit_code, 0) << known.output;
   EXPECT_THAT(known.output, HasSubstr("ready"));
+  const Finished stats =
+      grasp(fmt::format("stats --once --server {} --server-key {} --key {}",
+                        server.control_endpoint, path("server.pub"), path("tees.key")));
+  EXPECT_EQ(stats.exit_code, 0) << stats.output;
 
   make("stranger");
   const Finished unknown = health(server, "stranger");

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <sstream>
@@ -101,6 +102,23 @@ TEST_F(KeysTest, ASecretKeyThatOthersMayUseIsRefusedWithoutSayingIt) {
     chmod(path("tees.key").c_str(), mode);
     EXPECT_TRUE(read_key_pair(path("tees.key"))) << mode;
   }
+}
+
+TEST_F(KeysTest, AFileThatItsUserMayNotReadIsNamed) {
+  make("tees");
+  allow_all({{"tees", read_public_key(path("tees.pub"))->public_key}});
+  chmod(path("tees.key").c_str(), 0);
+  chmod(path("list").c_str(), 0);
+  // Root may read everything, and is nobody for as long.
+  const bool is_root = geteuid() == 0;
+  ASSERT_EQ(seteuid(is_root ? 65534 : geteuid()), 0);
+  const auto key = read_key_pair(path("tees.key"));
+  const auto list = AllowList::read(path("list"));
+  ASSERT_EQ(seteuid(is_root ? 0 : geteuid()), 0);
+  ASSERT_FALSE(key);
+  EXPECT_THAT(key.error().message, AllOf(HasSubstr("tees.key"), HasSubstr("Permission denied")));
+  ASSERT_FALSE(list);
+  EXPECT_THAT(list.error().message, AllOf(HasSubstr("list"), HasSubstr("Permission denied")));
 }
 
 TEST_F(KeysTest, EveryDamageToAKeyFileIsNoticed) {
