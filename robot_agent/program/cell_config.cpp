@@ -128,6 +128,8 @@ Result<CellConfig> read_cell_config(const fs::path& path, const fs::path& output
   YamlMap root = document.root();
   root.required("cell", config.cell);
   root.optional("servers", config.servers);
+  config.server_key = read_path(root, "server_key", input);
+  config.key_file = read_path(root, "key_file", input);
   root.optional("budget_ms", config.budget_ms);
   config.parts = read_parts(root);
   read_arm(root.map("arm"), input, output, config);

@@ -29,6 +29,8 @@ struct CameraConfig {
 struct CellConfig {
   std::string cell;
   std::vector<std::string> servers{"tcp://127.0.0.1:5555"};
+  std::filesystem::path server_key;  ///< the servers' public key; empty: they are insecure
+  std::filesystem::path key_file;    ///< the cell's own key
   std::uint32_t budget_ms = 10'000;
   std::vector<RequestedPart> parts;
   CameraConfig camera;

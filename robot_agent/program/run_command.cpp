@@ -36,6 +36,16 @@ Result<CellConfig> configure(const RunArguments& arguments) {
   return config;
 }
 
+Result<std::unique_ptr<agent::Planner>> make_planner(const CellConfig& config) {
+  const std::chrono::milliseconds budget(config.budget_ms);
+  if (config.server_key.empty() && config.key_file.empty()) {
+    return agent::connect_planner(config.servers, config.cell, budget);
+  }
+  auto keys = keys::read_client_keys(config.server_key, config.key_file);
+  if (!keys) return tl::unexpected(keys.error());
+  return agent::connect_planner(config.servers, config.cell, budget, *std::move(keys));
+}
+
 Result<agent::Task> make_task(const CellConfig& config, const CellFrames& frames) {
   agent::Task task;
   task.request.T_base_camera = frames.T_base_camera;
@@ -75,8 +85,7 @@ Result<int> run_cell(const RunArguments& arguments) {
 
   const auto equipment = make_equipment(*config, *frames);
   if (!equipment) return tl::unexpected(equipment.error());
-  const auto planner = agent::connect_planner(config->servers, config->cell,
-                                              std::chrono::milliseconds(config->budget_ms));
+  const auto planner = make_planner(*config);
   if (!planner) return tl::unexpected(planner.error());
   auto recorder = record::RunRecorder::create(
       config->records, config->cell, std::chrono::system_clock::now(), config->keep_frames);

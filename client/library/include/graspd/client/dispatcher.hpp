@@ -40,6 +40,9 @@ class Dispatcher {
            std::optional<std::size_t> only = std::nullopt);
   void connected(std::size_t server);
   void disconnected(std::size_t server, TimePoint now);
+  /// The server does not take our key. Its calls go elsewhere; those that have nowhere else to go
+  /// end with `why`.
+  void refused(std::size_t server, const Error& why, TimePoint now);
   /// \returns the call's end, if this is it. Answers of calls that have ended are dropped.
   std::optional<Result<Answer>> answered(std::size_t server, Answer answer, TimePoint now);
   /// The socket took nothing: the attempt has not been one.
@@ -68,7 +71,8 @@ class Dispatcher {
     std::string endpoint;
     bool connected = false;
     std::size_t in_flight_n = 0;
-    TimePoint hold_until;  ///< it asked to be left alone
+    TimePoint hold_until;          ///< it asked to be left alone
+    std::optional<Error> refusal;  ///< of our key; until it is connected
   };
   struct Call {
     RequestId id{};
@@ -85,6 +89,7 @@ class Dispatcher {
 
   std::list<Call>::iterator find(const RequestId& id);
   void land(Call& call);
+  void lose(std::size_t server, const Error& why, TimePoint now);
   void retry_later(Call& call, TimePoint now, Error why);
   std::optional<Error> verdict(Call& call, TimePoint now);
   std::optional<std::size_t> choose(const Call& call, TimePoint now) const;
@@ -93,6 +98,7 @@ class Dispatcher {
   bool any_connected(const Call& call) const;
   bool may_use(const Call& call, std::size_t server) const;
   TimePoint wake_of(const Call& call, TimePoint now) const;
+  bool all_refuse(const Call& call) const;
   Error unavailable(const Call& call) const;
 
   DispatchOptions options_;
