@@ -65,6 +65,7 @@ void Reporter::finished(const agent::PickRecord& record) {
     spdlog::info("{}: frame {}: grasp {} of {} passed over: {}", cell_, record.frame_n, over.rank,
                  over.part_id, over.reason);
   }
+  if (!record.alarm.empty()) spdlog::warn("{}: {}", cell_, record.alarm);
   fmt::print("{}\n", report_line(cell_, record));
   std::fflush(stdout);
   placed_n_ += record.verdict == agent::Verdict::kPlaced;
