@@ -16,7 +16,8 @@ Driver connect_simple_message(simple_message::DriverOptions options, const motio
 
 #ifdef GRASPD_ROS
 Driver connect_ros(const RosConfig& config, const motion::ArmModel& arm) {
-  ros_arm::DriverOptions options{.command_topic = config.command_topic,
+  ros_arm::DriverOptions options{.joint_names = {},
+                                 .command_topic = config.command_topic,
                                  .state_topic = config.state_topic,
                                  .watchdog = config.watchdog,
                                  .limits = config.limits};

@@ -126,6 +126,14 @@ TEST_F(Arm, AControllerThatSaysNothingOrNonsenseMovesNothing) {
   EXPECT_TRUE(driver.followed.empty());
 }
 
+TEST_F(Arm, BeyondItsLimitsItDoesNotClearTheViewEither) {
+  driver.at_rad[2] = 4.1;
+  const auto moved = arm->move_out_of_view();
+  ASSERT_FALSE(moved);
+  EXPECT_THAT(moved.error().message, StartsWith("out_of_view: the arm stands beyond its limits"));
+  EXPECT_TRUE(driver.followed.empty());
+}
+
 TEST_F(Arm, StopsItsController) {
   EXPECT_EQ(arm->why_not(pick.all()), std::nullopt);
   arm->stop();
