@@ -23,8 +23,9 @@ TEST(DemoTest, ServesFourCellsAndSaysWhereThePicturesAre) {
       demo(fmt::format("CELLS=2 PILE=3 OUT={} BIN={}", folder.path().string(), PROGRAMS));
   ASSERT_EQ(finished.exit_code, 0) << finished.output;
   for (const std::string cell : {"simulated_tees", "simulated_tees_2"}) {
-    EXPECT_THAT(finished.output, ::testing::ContainsRegex("\n" + cell + " +0  PLANNED"));
-    EXPECT_THAT(finished.output, ::testing::ContainsRegex(cell + "_2[^ ]+ +" + cell + " +[0-9]"))
+    EXPECT_THAT(finished.output, ::testing::ContainsRegex(fmt::format("\n{} +0  PLANNED", cell)));
+    EXPECT_THAT(finished.output,
+                ::testing::ContainsRegex(fmt::format("{0}_2[^ ]+ +{0} +[0-9]", cell)))
         << "its summary";
   }
   for (const char* film : {"simulated_tees.gif", "simulated_tees_2/simulated_tees.gif"}) {

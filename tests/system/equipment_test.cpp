@@ -19,6 +19,8 @@ using ::testing::IsEmpty;
 /// Beside the posture out of view, so that the first motion is one.
 const std::vector<float> kStart_rad{-1.2F, -0.3904F, 0.1922F, 0, 0.1982F, -1.5708F};
 
+constexpr const char* kOutOfView = "-1.5708, -0.3904, 0.1922, 0, 0.1982, -1.5708";
+
 class EquipmentTest : public AgentTest {
  protected:
   EquipmentTest() {
@@ -45,34 +47,37 @@ class EquipmentTest : public AgentTest {
     return orders;
   }
 
-  std::string arm_section() const {
+  /// An arm that plans in the cell of simulated_tees.yaml. \param kind with its own keys.
+  static std::string planned(const std::string& kind, const std::string& posture = kOutOfView) {
     return fmt::format(
-        "kind: simple_message\n  host: 127.0.0.1\n  motion_port: {}\n  state_port: {}\n"
-        "  full_speed_rad_s: 6\n  watchdog_s: 0.5\n  reply_timeout_s: 0.5",
-        controller.motion_port(), controller.state_port());
+        "{}\n  motion:\n    urdf: arm.urdf\n    max_straight_speed_m_s: 2\n"
+        "    T_flange_grasp: [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, -0.17, 0, 0, 0, 1]\n"
+        "    out_of_view_rad: [{}]\n    table_z_m: 0",
+        kind, posture);
   }
-  /// The cell of simulated_tees.yaml, with this arm.
-  std::filesystem::path write_cell(const std::string& arm, const std::string& posture =
-                                                               "-1.5708, -0.3904, 0.1922, 0, "
-                                                               "0.1982, -1.5708") const {
-    const std::string script = (folder.path() / "gripper").string();
+  /// The one that the controller drives.
+  std::string our_arm(const std::string& posture = kOutOfView) const {
+    return planned(fmt::format("kind: simple_message\n  host: 127.0.0.1\n  motion_port: {}\n"
+                               "  state_port: {}\n  full_speed_rad_s: 6\n  watchdog_s: 0.5\n"
+                               "  reply_timeout_s: 0.5",
+                               controller.motion_port(), controller.state_port()),
+                   posture);
+  }
+  std::filesystem::path write_cell(const std::string& arm) const {
     return folder.write(
         "cell.yaml",
-        fmt::format(
-            "cell: real\nservers: ['{0}']\nbudget_ms: 20000\nparts: [{{id: bar}}]\n"
-            "camera: {{kind: bop, path: scene}}\n"
-            "T_base_camera: [0, 1, 0, 0.30, 1, 0, 0, 0, 0, 0, -1, 0.75, 0, 0, 0, 1]\n"
-            "bin:\n  T_base_bin: [0, -1, 0, 0.30, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
-            "  inner_size_m: [0.30, 0.24, 0.12]\n"
-            "gripper:\n  jaw_size_m: [0.008, 0.016, 0.12]\n  palm_size_m: [0.10, 0.06, 0.05]\n"
-            "  retreat_m: 0.16\n  output:\n    open: [sh, {1}, open, '{{width_mm}}']\n"
-            "    close: [sh, {1}, close]\n    sensor: [sh, {1}, holds]\n    settle_s: 0\n"
-            "T_base_place: [1, 0, 0, 0, 0, -1, 0, -0.31, 0, 0, -1, 0.07, 0, 0, 0, 1]\n"
-            "arm:\n  {2}\n  motion:\n    urdf: arm.urdf\n    max_straight_speed_m_s: 2\n"
-            "    T_flange_grasp: [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, -0.17, 0, 0, 0, 1]\n"
-            "    out_of_view_rad: [{3}]\n    table_z_m: 0\n"
-            "records: real_records\n",
-            shared_->server->data_endpoint, script, arm, posture));
+        fmt::format("cell: real\nservers: ['{0}']\nbudget_ms: 20000\nparts: [{{id: bar}}]\n"
+                    "camera: {{kind: bop, path: scene}}\n"
+                    "T_base_camera: [0, 1, 0, 0.30, 1, 0, 0, 0, 0, 0, -1, 0.75, 0, 0, 0, 1]\n"
+                    "bin:\n  T_base_bin: [0, -1, 0, 0.30, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
+                    "  inner_size_m: [0.30, 0.24, 0.12]\n"
+                    "gripper:\n  jaw_size_m: [0.008, 0.016, 0.12]\n"
+                    "  palm_size_m: [0.10, 0.06, 0.05]\n  retreat_m: 0.16\n"
+                    "  output:\n    open: [sh, {1}, open, '{{width_mm}}']\n"
+                    "    close: [sh, {1}, close]\n    sensor: [sh, {1}, holds]\n    settle_s: 0\n"
+                    "T_base_place: [1, 0, 0, 0, 0, -1, 0, -0.31, 0, 0, -1, 0.07, 0, 0, 0, 1]\n"
+                    "arm:\n  {2}\nrecords: real_records\n",
+                    shared_->server->data_endpoint, (folder.path() / "gripper").string(), arm));
   }
   /// What is kept of a run that was stopped.
   json stopped_run() const {
@@ -91,7 +96,7 @@ class EquipmentTest : public AgentTest {
 };
 
 TEST_F(EquipmentTest, AWholePick) {
-  const Finished finished = agent(write_cell(arm_section()));
+  const Finished finished = agent(write_cell(our_arm()));
   EXPECT_EQ(finished.exit_code, 0) << finished.output;
   EXPECT_THAT(finished.output, HasSubstr("done, 1 parts placed: BIN_EMPTY"));
   EXPECT_THAT(all(picks("real"), "verdict"), ElementsAre("PLACED", "-"));
@@ -102,6 +107,15 @@ TEST_F(EquipmentTest, AWholePick) {
     EXPECT_NEAR(controller.joints()[static_cast<std::size_t>(i)], out_of_view_rad[i], 0.01);
   }
   EXPECT_EQ(controller.stops_n(), 0);
+}
+
+TEST_F(EquipmentTest, AGripperIsTriedWithAnArmThatOnlyWritesDown) {
+  const Finished finished = agent(write_cell("kind: record"));
+  EXPECT_EQ(finished.exit_code, 0) << finished.output;
+  EXPECT_THAT(gripper_orders(),
+              ElementsAre(ContainsRegex("^open [0-9.]+$"), "close", ContainsRegex("^open ")));
+  EXPECT_THAT(all(lines("arm.jsonl"), "step"), ::testing::Contains("approach"));
+  EXPECT_THAT(controller.points(), IsEmpty());
 }
 
 /// Controllers that fail in the pick, on the way to the bin.
@@ -116,7 +130,7 @@ class ArmInTrouble : public EquipmentTest, public ::testing::WithParamInterface<
 
 TEST_P(ArmInTrouble, StopsTheCellAndThePickIsKept) {
   controller.misbehave(GetParam().misbehaviour, /*good_motions_n=*/1);
-  const Finished finished = agent(write_cell(arm_section()));
+  const Finished finished = agent(write_cell(our_arm()));
   EXPECT_EQ(finished.exit_code, 1);
   EXPECT_THAT(finished.output, ContainsRegex(GetParam().sentence));
   const std::vector<json> kept = picks("real");
@@ -142,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(EquipmentTest, AGripperThatDoesNotConfirmStopsTheCellWhereItIs) {
   write_gripper("if [ $1 = close ]; then echo no air >&2; exit 3; fi");
-  const Finished finished = agent(write_cell(arm_section()));
+  const Finished finished = agent(write_cell(our_arm()));
   EXPECT_EQ(finished.exit_code, 1);
   const std::string sentence =
       "close: the gripper did not confirm to close: 'sh' ended with 3: no air";
@@ -155,7 +169,7 @@ TEST_F(EquipmentTest, AGripperThatDoesNotConfirmStopsTheCellWhereItIs) {
 
 TEST_F(EquipmentTest, AskedToStopInThePickItStillPlacesThePart) {
   write_gripper("[ $1 != close ] || kill -TERM $PPID");
-  const Finished finished = agent(write_cell(arm_section()));
+  const Finished finished = agent(write_cell(our_arm()));
   EXPECT_EQ(finished.exit_code, 0) << finished.output;
   EXPECT_THAT(finished.output, HasSubstr("done, 1 parts placed: asked to stop"));
   EXPECT_THAT(all(picks("real"), "verdict"), ElementsAre("PLACED"));
@@ -164,7 +178,7 @@ TEST_F(EquipmentTest, AskedToStopInThePickItStillPlacesThePart) {
 TEST_F(EquipmentTest, AnArmBeyondItsLimitsIsNotMoved) {
   folder.write("arm.urdf",
                std::regex_replace(anno_xml(), std::regex(R"(lower="-2.0071")"), R"(lower="-0.1")"));
-  const Finished finished = agent(write_cell(arm_section(), "-1.5708, 0, 0.1922, 0, 0.1982, 0"));
+  const Finished finished = agent(write_cell(our_arm("-1.5708, 0, 0.1922, 0, 0.1982, 0")));
   EXPECT_EQ(finished.exit_code, 1);
   EXPECT_THAT(finished.output, AllOf(HasSubstr("the arm stands beyond its limits: joint_2"),
                                      HasSubstr("move it back by hand")));
@@ -174,7 +188,7 @@ TEST_F(EquipmentTest, AnArmBeyondItsLimitsIsNotMoved) {
 
 TEST_F(EquipmentTest, AUrdfThatIsNoneOrOfAnotherArmIsNamedBeforeAnythingMoves) {
   const auto refusal = [&](const std::string& posture) {
-    const Finished finished = agent(write_cell(arm_section(), posture));
+    const Finished finished = agent(write_cell(our_arm(posture)));
     EXPECT_EQ(finished.exit_code, 2) << finished.output;
     return finished.output;
   };
@@ -190,14 +204,14 @@ TEST_F(EquipmentTest, AUrdfThatIsNoneOrOfAnotherArmIsNamedBeforeAnythingMoves) {
 
 TEST_F(EquipmentTest, AControllerThatIsNotThereIsNamed) {
   const Finished finished =
-      agent(write_cell("kind: simple_message\n  host: 127.0.0.1\n  motion_port: 9"));
+      agent(write_cell(planned("kind: simple_message\n  host: 127.0.0.1\n  motion_port: 9")));
   EXPECT_EQ(finished.exit_code, 1);
   EXPECT_THAT(finished.output,
               HasSubstr("no connection to the controller at 127.0.0.1:9: Connection refused"));
 }
 
 TEST_F(EquipmentTest, AnArmOverRosNeedsABuildWithItAndAMaster) {
-  const Finished finished = agent(write_cell("kind: ros"));
+  const Finished finished = agent(write_cell(planned("kind: ros")));
 #ifdef GRASPD_ROS
   EXPECT_EQ(finished.exit_code, 1);
   EXPECT_THAT(finished.output, HasSubstr("no ROS master answers at"));
@@ -221,9 +235,15 @@ TEST_F(EquipmentTest, WhatAnArmNeedsAndTheConfigurationLacksIsAllNamed) {
               AllOf(HasSubstr("key 'calibration' is missing"), HasSubstr("key 'host' is missing"),
                     HasSubstr("'motion_port' must be 1 to 65535"), HasSubstr("key 'urdf'"),
                     HasSubstr("key 'open' is missing"), HasSubstr("add the section 'bin'")));
-  const Finished without = agent(write_cell("kind: record"), "--pile 3");
-  EXPECT_EQ(without.exit_code, 2);
-  EXPECT_THAT(without.output, HasSubstr("unknown key 'motion'"));
+}
+
+TEST_F(EquipmentTest, OnlyASimulatedCellHasAPileAndItsOwnGripper) {
+  const Finished pile = agent(write_cell(our_arm()), "--pile 3");
+  EXPECT_EQ(pile.exit_code, 2);
+  EXPECT_THAT(pile.output, HasSubstr("--pile and --seed are for a simulated cell"));
+  const Finished gripper = agent(write_cell(planned("kind: simulated\n  pile: {parts: parts}")));
+  EXPECT_EQ(gripper.exit_code, 2);
+  EXPECT_THAT(gripper.output, HasSubstr("a simulated cell has its own gripper"));
 }
 
 }  // namespace
