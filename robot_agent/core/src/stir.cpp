@@ -48,14 +48,14 @@ Eigen::Vector2d reach_m(const graspd::Gripper& gripper, double rim_m) {
 }
 
 Stroke stroke_between(const Eigen::Isometry3d& T_base_bin, const Eigen::Vector3d& from_m,
-                      const Eigen::Vector3d& to_m, double retreat_m, double speed_share) {
+                      const Eigen::Vector3d& to_m, double up_z_m, double speed_share) {
   const auto pose = [&](const Eigen::Vector3d& p_bin_m) {
     Eigen::Isometry3d T_bin_grasp = Eigen::Isometry3d::Identity();
     T_bin_grasp.translation() = p_bin_m;
     T_bin_grasp.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();  // z down
     return Eigen::Isometry3d(T_base_bin * T_bin_grasp);
   };
-  const Eigen::Vector3d up_m(0, 0, retreat_m);
+  const Eigen::Vector3d up_m(0, 0, up_z_m - from_m.z());
   return {{{Step::kStirAbove, Path::kFree, pose(from_m + up_m)},
            {Step::kStirDown, Path::kStraight, pose(from_m), speed_share},
            {Step::kStirAcross, Path::kStraight, pose(to_m), speed_share},
@@ -75,6 +75,10 @@ std::vector<Stroke> strokes(const Surroundings& surroundings, const graspd::Grip
                                  Eigen::Vector2d::Constant(kClearance_m);
   if (room_m.minCoeff() < 0) return {};
 
+  // Empty jaws need no more than to clear the rim, and higher up an arm reaches less far.
+  const double up_z_m =
+      std::min(z_m + gripper.retreat_m,
+               std::max(top_m->z(), surroundings.bin->inner_size_m.z()) + kClearance_m);
   std::vector<Stroke> strokes;
   for (const int axis : {0, 1}) {
     Eigen::Vector3d middle_m(0, 0, z_m);
@@ -85,8 +89,8 @@ std::vector<Stroke> strokes(const Surroundings& surroundings, const graspd::Grip
     to_m[axis] = std::min(middle_m[axis] + options.stroke_m / 2, room_m[axis]);
     if (to_m[axis] - from_m[axis] < kShortest_m) continue;
     for (int way = 0; way < 2; ++way) {
-      strokes.push_back(stroke_between(surroundings.bin->T_base_bin, from_m, to_m,
-                                       gripper.retreat_m, options.speed_share));
+      strokes.push_back(
+          stroke_between(surroundings.bin->T_base_bin, from_m, to_m, up_z_m, options.speed_share));
       std::swap(from_m, to_m);
     }
   }
