@@ -216,8 +216,9 @@ INSTANTIATE_TEST_SUITE_P(GrsNumber, CorruptedAnswer,
                                                 "inclination_rad"})),
                          kRowName);
 INSTANTIATE_TEST_SUITE_P(GraspNumber, CorruptedAnswer,
-                         ::testing::ValuesIn(rows_of_one_number(
-                             kGrasp, {"opening_width_m", "standoff_m", "retreat_m", "room_m", "score"})),
+                         ::testing::ValuesIn(rows_of_one_number(kGrasp,
+                                                                {"opening_width_m", "standoff_m",
+                                                                 "retreat_m", "room_m", "score"})),
                          kRowName);
 
 INSTANTIATE_TEST_SUITE_P(
