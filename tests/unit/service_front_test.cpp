@@ -95,7 +95,7 @@ TEST(Front, AWorkerThatDiesCostsItsRequestAlone) {
   front.wait_ready();
   Client client({front.data_endpoint});
   for (int i = 0; i < 3; ++i) {
-    const auto lost = client.plan(example_frame(), example_request({"crash"}), kBudget);
+    const auto lost = client.plan(example_frame(16, 12 + i), example_request({"crash"}), kBudget);
     ASSERT_FALSE(lost);
     EXPECT_EQ(lost.error().code, Code::kInternal);
     EXPECT_THAT(lost.error().message, HasSubstr("signal 9"));

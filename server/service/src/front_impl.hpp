@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 #include <zmq.hpp>
 
 #include "graspd/service/admission.hpp"
@@ -17,6 +18,7 @@
 #include "intake.hpp"
 #include "log_line.hpp"
 #include "messages.hpp"
+#include "poison_list.hpp"
 #include "recorder.hpp"
 #include "status.hpp"
 
@@ -34,7 +36,7 @@ class Front::Impl {
 
  private:
   struct Job {
-    std::string client;  ///< routing id on the data socket
+    std::vector<std::string> clients;  ///< routing ids on the data socket, one for each message
     PlanJob plan;
     TimePoint arrived;
     TimePoint started;
@@ -62,6 +64,7 @@ class Front::Impl {
   // One message.
   void take(Message message, Door door);
   void admit(const std::string& client, PlanJob plan);
+  bool attach(const std::string& client, const PlanJob& plan);
   void hear(const std::string& identity, Message message);
   void greet(const std::string& identity, const Message& message);
   void conclude(const std::string& identity, Message message);
@@ -72,6 +75,7 @@ class Front::Impl {
   void refuse(Ticket ticket, Error error, std::uint32_t retry_after_ms = 0);
   void refuse(zmq::socket_t& socket, const std::string& client, Refused refused);
   void answer(zmq::socket_t& socket, const std::string& client, const Answer& answer);
+  void send_to_clients(const Job& job, zmq::message_t envelope);
   void send_to_client(zmq::socket_t& socket, const std::string& client, zmq::message_t envelope);
 
   // What is told of it all.
@@ -99,6 +103,7 @@ class Front::Impl {
   Admission admission_;
   Supervisor supervisor_;
   Jobs jobs_;
+  PoisonList poison_;
   Ticket next_ticket_ = 1;
   TimePoint started_;
   std::uint64_t answered_n_ = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <variant>
@@ -19,6 +20,8 @@ struct PlanJob {
   std::vector<std::string> parts;
   FrameDescription frame;
   std::chrono::milliseconds budget{0};
+  /// The same for the same question of the same cell, whatever its id, attempt and budget.
+  std::uint64_t content = 0;
   zmq::message_t envelope;
   zmq::message_t payload;
 };
