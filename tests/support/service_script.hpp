@@ -17,7 +17,7 @@ namespace graspd::service {
 
 inline const std::vector<std::string> kScriptedParts{
     "crash", "echo",     "hang",      "hungry", "large",   "larger", "largest",
-    "other", "sleep_20", "sleep_100", "spin",   "spin_20", "throw"};
+    "other", "sleep_20", "sleep_100", "spin",   "spin_20", "throw",  "throw_bytes"};
 inline const ServerInfo kScriptedServer{"scripted", "catalogue", "config"};
 
 /// About `bytes` of outline on the wire, for what clients ask for on top.
@@ -48,6 +48,7 @@ inline Result<PlanAnswer> scripted_plan(const DepthFrame& frame, const PlanReque
   }
   if (script == "hungry") answer.reason = std::to_string(std::vector<char>(1U << 30).size());
   if (script == "throw") throw std::runtime_error("the script says so");
+  if (script == "throw_bytes") throw std::runtime_error(std::string(300'000, '\xff'));
   // What the request was, so that an answer to another one shows.
   answer.funnel.pixels_n =
       static_cast<std::uint32_t>(frame.camera.width_px * frame.camera.height_px);

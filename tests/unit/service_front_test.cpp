@@ -138,6 +138,11 @@ TEST(Front, APlannersExceptionIsAnAnswer) {
   ASSERT_FALSE(answer);
   EXPECT_EQ(answer.error().code, Code::kInternal);
   EXPECT_THAT(answer.error().message, HasSubstr("the script says so"));
+
+  const auto bytes = client.plan(example_frame(), example_request({"throw_bytes"}), kBudget);
+  ASSERT_FALSE(bytes);
+  EXPECT_EQ(bytes.error().code, Code::kInternal);
+  EXPECT_THAT(bytes.error().message, HasSubstr("planning failed: \xef\xbf\xbd"));
   EXPECT_TRUE(client.plan(example_frame(), example_request(), kBudget));
 }
 
