@@ -59,6 +59,14 @@ void measure_deaths(std::size_t requests_n, Table& table) {
   table.add("rolling_stop_s", restart.longest_stop_s, "at most 12");
 }
 
+void measure_network(std::size_t requests_n, Table& table) {
+  const trials::Seen seen = trials::faults_in_turn(requests_n, 25);
+  table.add("25 faults of the network", seen);
+  table.add("network_asked", seen.asked_n, "");
+  table.add("network_failed", seen.failed_n, "0");
+  table.add("network_worst_ms", seen.worst_ms, "");
+}
+
 void measure_load(int requests_n, Table& table) {
   const trials::Overload overload = trials::overload(2 * requests_n);
   table.add("200 % of capacity", overload);
@@ -88,6 +96,7 @@ void measure_cost(std::size_t requests_n, Table& table) {
 int measure(const Options& options) {
   Table table;
   measure_deaths(static_cast<std::size_t>(options.requests_n), table);
+  measure_network(static_cast<std::size_t>(options.requests_n), table);
   measure_load(options.requests_n, table);
   measure_cost(static_cast<std::size_t>(options.requests_n), table);
   table.write(options.out);

@@ -27,6 +27,12 @@ TEST(ServiceChaos, ResetConnectionsFailNoRequestWhileAnotherServerLives) {
   EXPECT_THAT(seen.violations, IsEmpty());
 }
 
+TEST(ServiceChaos, FaultAfterFaultFailsNoRequestAndMixesUpNone) {
+  const Seen seen = faults_in_turn(100, 9);
+  EXPECT_EQ(seen.failed_n, 0) << seen.ended;
+  EXPECT_THAT(seen.violations, IsEmpty());
+}
+
 TEST(ServiceChaos, CorruptBytesHarmNobodyBeside) {
   const CorruptedNeighbour seen = beside_a_corrupt_network(100);
   EXPECT_EQ(seen.failed_n, 0) << seen.ended;

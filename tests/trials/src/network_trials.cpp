@@ -53,6 +53,32 @@ Seen connections_reset(std::size_t requests_n, int resets_n) {
   return seen_in(history);
 }
 
+Seen faults_in_turn(std::size_t requests_n, int faults_n) {
+  const auto first = start_server(2);
+  const auto second = start_server(2);
+  ChaosProxy networks[]{{first->data_endpoint, kSeed}, {second->data_endpoint, kSeed}};
+  History history;
+  LoadOptions options = cells_of({networks[0].endpoint(), networks[1].endpoint()}, 6);
+  options.script = "echo";
+  options.dispatch.attempt_timeout = milliseconds(300);
+  ClosedLoop load(options, history);
+  Chaos slow;
+  slow.delay = milliseconds(3);
+  Chaos chopped;
+  chopped.chop_bytes = 5000;
+  Chaos stalled;
+  stalled.stalled = true;
+  const Chaos faults[]{slow, stalled, chopped, {}};
+  for (int i = 0; i < faults_n; ++i) {
+    history.wait_for(requests_n);
+    ChaosProxy& network = networks[i / 4 % 2];
+    network.set(faults[i % 4]);
+    if (i % 4 == 3) network.reset_connections();
+  }
+  load.stop();
+  return seen_in(history);
+}
+
 CorruptedNeighbour beside_a_corrupt_network(std::size_t requests_n) {
   const auto server = start_server(2);
   ChaosProxy network(server->data_endpoint, kSeed);

@@ -53,6 +53,9 @@ Seen through_a_slow_network(std::size_t requests_n);
 Seen one_of_two_networks_stalls(std::size_t requests_n);
 /// Every connection to one of two servers is reset, again and again.
 Seen connections_reset(std::size_t requests_n, int resets_n);
+/// One fault after another, now on one server's network, now on the other's: delay, chopping, a stall
+/// that ends (and lets late answers through), resets.
+Seen faults_in_turn(std::size_t requests_n, int faults_n);
 struct CorruptedNeighbour : Seen {  ///< of the clients with a good network
   Seen corrupted;  ///< its violations count nothing: without keys TCP's checksum is all there is
   int workers_lost_n = 0;
