@@ -49,6 +49,19 @@ TEST(Duplicates, AnotherRequestUnderTheSameIdIsRefused) {
   EXPECT_EQ(gate.entered_n(), 1);
 }
 
+TEST(Duplicates, MessagesOfOneRequestDoNotPileUp) {
+  Gate gate;
+  ThreadLauncher launcher = threads(gate.handler());
+  RunningFront front(scripted_config(1), launcher);
+  RawClient client(front.data_endpoint);
+  constexpr int kWaiting = 16;
+  for (int i = 0; i <= kWaiting; ++i) client.send(good_frames());
+  EXPECT_EQ(client.receive().code, Code::kInvalidArgument);
+  gate.open();
+  for (int i = 0; i < kWaiting; ++i) EXPECT_EQ(client.receive().code, Code::kOk);
+  EXPECT_EQ(gate.entered_n(), 1);
+}
+
 TEST(Duplicates, AnIdThatHasBeenAnsweredMayComeAgain) {
   ThreadLauncher launcher = threads();
   RunningFront front(scripted_config(1), launcher);

@@ -5,6 +5,12 @@
 #include "graspd/codec/codec.hpp"
 
 namespace graspd::service {
+namespace {
+
+// Of one request: a client may reconnect and ask again, but not without end.
+constexpr std::size_t kMostMessages_n = 16;
+
+}  // namespace
 
 void Front::Impl::take(Message message, Door door) {
   const std::string client = message.frames[0].to_string();
@@ -79,6 +85,13 @@ bool Front::Impl::attach(const std::string& client, const PlanJob& plan) {
             plan.cell,
             {Code::kInvalidArgument,
              "id: another request with this id is being computed; take 16 new random bytes"}});
+  } else if (job.clients.size() >= kMostMessages_n) {
+    refuse(data_, client,
+           {plan.id,
+            plan.cell,
+            {Code::kInvalidArgument,
+             fmt::format("id: {} messages with this id wait for its answer; wait too",
+                         kMostMessages_n)}});
   } else {
     job.clients.push_back(client);
   }
