@@ -13,4 +13,7 @@ void add_stats_command(CLI::App& app);
 /// Adds `replay`: sends a request again that a server has recorded.
 void add_replay_command(CLI::App& app);
 
+/// Adds `keys new|allow|revoke|list`: who may use a server.
+void add_keys_command(CLI::App& app);
+
 }  // namespace graspd::program

@@ -31,8 +31,10 @@ std::vector<std::string> row_of(const std::string& endpoint, const HealthAnswer&
           health.server.build};
 }
 
-int ask(const HealthArguments& arguments) {
-  client::Client client(arguments.servers.servers);
+Result<int> ask(const HealthArguments& arguments) {
+  auto options = client_options(arguments.servers);
+  if (!options) return tl::unexpected(options.error());
+  client::Client client(arguments.servers.servers, *std::move(options));
   Table table(
       {"server", "state", "workers", "busy", "queued", "answered", "up s", "parts", "build"});
   int code = 0;
@@ -67,9 +69,7 @@ void add_health_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "one line of JSON per server");
   command->footer("Example: grasp health --server tcp://127.0.0.1:5555");
-  command->callback([arguments] {
-    if (const int code = ask(*arguments)) throw CLI::RuntimeError(code);
-  });
+  command->callback([arguments] { finish(ask(*arguments)); });
 }
 
 }  // namespace graspd::program

@@ -19,7 +19,7 @@ struct PlanArguments {
   std::string depth;
   std::string camera;
   std::string cell;
-  std::string cell_name = "grasp";
+  std::string cell_name;
   std::vector<std::string> parts;
   std::string overlay;
   bool json = false;
@@ -83,10 +83,11 @@ Result<Question> read_question(const PlanArguments& arguments) {
 Result<int> plan(const PlanArguments& arguments) {
   const auto question = read_question(arguments);
   if (!question) return tl::unexpected(question.error());
-  client::ClientOptions options;
-  options.cell = arguments.cell_name;
-  options.encoding = parse_enum<DepthEncoding>(arguments.encoding).value();
-  client::Client client(arguments.servers.servers, options);
+  auto options = client_options(arguments.servers);
+  if (!options) return tl::unexpected(options.error());
+  if (!arguments.cell_name.empty()) options->cell = arguments.cell_name;
+  options->encoding = parse_enum<DepthEncoding>(arguments.encoding).value();
+  client::Client client(arguments.servers.servers, *std::move(options));
 
   const auto start = std::chrono::steady_clock::now();
   const auto answer = client.plan(question->frame, question->request,
@@ -126,8 +127,10 @@ void add_options(CLI::App& command, PlanArguments& arguments) {
       ->type_name("ID")
       ->required();
   command.add_option("--cell", arguments.cell, "bin and gripper of the cell")->type_name("YAML");
-  command.add_option("--cell-name", arguments.cell_name, "whose turn the request counts as")
-      ->capture_default_str();
+  command
+      .add_option("--cell-name", arguments.cell_name,
+                  "whose turn the request counts as; default: the key's cell, else 'grasp'")
+      ->type_name("NAME");
   command.add_option("--overlay", arguments.overlay, "draw the plan over the depth image")
       ->type_name("PNG");
   command.add_flag("--json", arguments.json, "print the whole answer as JSON");

@@ -41,9 +41,10 @@ Result<int> replay(const ReplayArguments& arguments) {
   const auto frame = codec::decode_frame(call->frame, view(*payload));
   if (!frame) return invalid("{}: {}", path.string(), frame.error().message);
 
-  client::ClientOptions options;
-  options.cell = request->cell;
-  client::Client client(arguments.servers.servers, options);
+  auto options = client_options(arguments.servers);
+  if (!options) return tl::unexpected(options.error());
+  if (!options->keys) options->cell = request->cell;  // a key asks in its own cell's name
+  client::Client client(arguments.servers.servers, *std::move(options));
   const auto start = std::chrono::steady_clock::now();
   const auto answer =
       client.plan(*frame, call->plan, std::chrono::milliseconds(arguments.budget_ms));

@@ -25,8 +25,10 @@ struct StatsArguments {
   bool once = false;
 };
 
-int show(const StatsArguments& arguments) {
-  client::Client client(arguments.servers.servers);
+Result<int> show(const StatsArguments& arguments) {
+  auto options = client_options(arguments.servers);
+  if (!options) return tl::unexpected(options.error());
+  client::Client client(arguments.servers.servers, *std::move(options));
   const milliseconds budget(arguments.budget_ms);
   if (arguments.once) {
     const auto servers = client.health(budget);
@@ -64,9 +66,7 @@ void add_stats_command(CLI::App& app) {
       "broken: INTERNAL and\nREJECTED_POISON, defects; refused: the client's mistakes. MiB: "
       "memory of the server and its workers.\n\n"
       "Example: grasp stats --server tcp://127.0.0.1:5555 --once");
-  command->callback([arguments] {
-    if (const int code = show(*arguments)) throw CLI::RuntimeError(code);
-  });
+  command->callback([arguments] { finish(show(*arguments)); });
 }
 
 }  // namespace graspd::program

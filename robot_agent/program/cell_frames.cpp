@@ -19,17 +19,18 @@ Result<CellFrames> find_cell_frames(const CellConfig& config) {
   CellFrames frames;
   frames.T_base_camera = looking_down();
   std::optional<BopBin> recorded_bin;
-  if (config.arm != ArmKind::kSimulated && config.camera.kind == replay::RecordingKind::kBop) {
-    const auto image = first_image(config.camera.path);
+  if (config.camera && config.camera->kind == CameraKind::kBop) {
+    const auto image = first_image(config.camera->path);
     if (!image) return tl::unexpected(image.error());
     if (image->T_world_camera) frames.T_base_camera = *image->T_world_camera;
     recorded_bin = image->bin;
   }
-  if (!config.camera.calibration.empty()) {
-    const auto calibration = read_camera(config.camera.calibration);
+  if (config.camera && !config.camera->calibration.empty()) {
+    const auto calibration = read_camera(config.camera->calibration);
     if (!calibration) return tl::unexpected(calibration.error());
     frames.intrinsics = calibration->camera;
     frames.T_base_camera = calibration->T_base_camera;
+    frames.depth_correction = calibration->depth_correction;
   }
   if (config.T_base_camera) frames.T_base_camera = *config.T_base_camera;
   if (recorded_bin) {

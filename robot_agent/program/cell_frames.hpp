@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "cell_config.hpp"
+#include "graspd/formats/depth_correction.hpp"
 
 namespace graspd::robot_agent {
 
@@ -11,6 +12,7 @@ namespace graspd::robot_agent {
 struct CellFrames {
   Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
   std::optional<CameraIntrinsics> intrinsics;  ///< nothing: the recording says them
+  std::optional<DepthCorrection> depth_correction;
   std::optional<Bin> bin;
 };
 

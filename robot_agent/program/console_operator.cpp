@@ -28,10 +28,10 @@ std::optional<std::string> read_line() {
 }  // namespace
 
 agent::OperatorSays ConsoleOperator::ask(const std::string& what) {
+  told_to_go_on();  // a signal from before the question is no answer
   spdlog::warn("{}", what);
   spdlog::warn("waiting: press Enter or send SIGUSR1 to process {} to go on, type stop to stop",
                getpid());
-  told_to_go_on();  // a signal from before the question is no answer
   while (!asked_to_stop()) {
     if (told_to_go_on()) return agent::OperatorSays::kGoOn;
     pollfd input{STDIN_FILENO, POLLIN, 0};

@@ -9,7 +9,7 @@
 namespace graspd::robot_agent {
 
 /// The outside things of one cell. Shared, since one thing may be several of them: a simulated cell
-/// all four, a recording arm also its gripper.
+/// all four, a recording arm also a gripper.
 struct Equipment {
   std::shared_ptr<agent::Clock> clock;
   std::shared_ptr<agent::Camera> camera;
@@ -23,7 +23,8 @@ struct Equipment {
 };
 
 /// What the configuration names: the one place that knows every adapter.
-/// \returns INVALID_ARGUMENT where a file that is named is not there, or not what it should be.
+/// \returns INVALID_ARGUMENT where a file that is named is not there, or not what it should be;
+/// UNAVAILABLE where camera or arm does not answer. Nothing has moved then.
 Result<Equipment> make_equipment(const CellConfig& config, const CellFrames& frames);
 
 }  // namespace graspd::robot_agent

@@ -26,14 +26,14 @@ std::string grasp_columns(const agent::ChosenGrasp& chosen) {
 
 std::string report_header() {
   return fmt::format(
-      "{:<12} {:>5}  {:<16} {:>7} {:>6}  {:<13} {:>5} {:>5} {:>5}  {:>5}  {:>5}  {:>7}  {}", "cell",
+      "{:<16} {:>5}  {:<16} {:>7} {:>6}  {:<13} {:>5} {:>5} {:>5}  {:>5}  {:>5}  {:>7}  {}", "cell",
       "frame", "outcome", "objects", "grasps", "first grasp", "x mm", "y mm", "z mm", "GRS", "w mm",
       "plan ms", "verdict");
 }
 
 std::string report_line(const std::string& cell, const agent::PickRecord& record) {
   const auto outcome = record.outcome ? name_of(*record.outcome) : name_of(record.code);
-  std::string line = fmt::format("{:<12} {:>5}  {:<16} ", cell, record.frame_n, outcome);
+  std::string line = fmt::format("{:<16} {:>5}  {:<16} ", cell, record.frame_n, outcome);
   line += record.outcome ? fmt::format("{:>7} {:>6}  ", record.objects_n, record.grasps_n)
                          : fmt::format("{:>7} {:>6}  ", "-", "-");
   line += record.chosen ? grasp_columns(*record.chosen) : fmt::format("{:<44}", "-");
@@ -65,6 +65,7 @@ void Reporter::finished(const agent::PickRecord& record) {
     spdlog::info("{}: frame {}: grasp {} of {} passed over: {}", cell_, record.frame_n, over.rank,
                  over.part_id, over.reason);
   }
+  if (!record.alarm.empty()) spdlog::warn("{}: {}", cell_, record.alarm);
   fmt::print("{}\n", report_line(cell_, record));
   std::fflush(stdout);
   placed_n_ += record.verdict == agent::Verdict::kPlaced;

@@ -1,5 +1,6 @@
 #include "simulated_equipment.hpp"
 
+#include "driven_arm.hpp"
 #include "graspd/parts/catalogue.hpp"
 #include "graspd/simulated/film.hpp"
 
@@ -20,13 +21,13 @@ struct Kinds {
 };
 
 Result<Kinds> kinds_of(const CellConfig& config) {
-  const auto catalogue = parts::Catalogue::load(config.pile->parts);
+  const auto catalogue = parts::Catalogue::load(config.arm.pile->parts);
   if (!catalogue) return tl::unexpected(catalogue.error());
   Kinds kinds;
   for (const RequestedPart& requested : config.parts) {
     const parts::Part* part = catalogue->find(requested.id);
     if (part == nullptr) {
-      return fail(Code::kUnknownPart, "parts: {} has no part '{}'", config.pile->parts.string(),
+      return fail(Code::kUnknownPart, "parts: {} has no part '{}'", config.arm.pile->parts.string(),
                   requested.id);
     }
     kinds.meshes.push_back(part->mesh);
@@ -43,42 +44,30 @@ sim_cell::PhysicsCellOptions layout(const CellConfig& config) {
   options.T_base_camera = *config.T_base_camera;
   options.gripper = config.gripper;
   // A cell's frames count on from its seed: no two piles' frames have the same noise.
-  options.seed = static_cast<std::uint64_t>(config.pile->seed) << 16;
-  if (config.motion->parameters.place_bin) options.place = *config.motion->parameters.place_bin;
+  options.seed = static_cast<std::uint64_t>(config.arm.pile->seed) << 16;
+  if (config.arm.motion->parameters.place_bin)
+    options.place = *config.arm.motion->parameters.place_bin;
   return options;
 }
 
-Result<agent::SimArm> make_arm(const CellConfig& config) {
-  auto model = motion::ArmModel::load(config.motion->urdf);
-  if (!model) return tl::unexpected(model.error());
-  const auto& angles_rad = config.motion->out_of_view_rad;
-  if (model->joints_n() != std::ssize(angles_rad)) {
-    return invalid("out_of_view_rad: {} angles; {} has {} joints", angles_rad.size(),
-                   config.motion->urdf.string(), model->joints_n());
-  }
-  agent::SimArm arm{*std::move(model), config.motion->parameters,
-                    Eigen::Map<const agent::Joints>(angles_rad.data(), std::ssize(angles_rad))};
-  arm.parameters.gripper = config.gripper;
-  return arm;
-}
-
 Result<Equipment> make_simulated_equipment(const CellConfig& config) {
-  const auto arm = make_arm(config);
+  const auto arm = load_arm(config);
   if (!arm) return tl::unexpected(arm.error());
   auto kinds = kinds_of(config);
   if (!kinds) return tl::unexpected(kinds.error());
   const auto simulated = std::make_shared<Simulated>();
   simulated->kinds = std::move(kinds->meshes);
   const sim_cell::PileMaker piles(simulated->kinds);
-  const std::vector<int> counts(simulated->kinds.size(), static_cast<int>(config.pile->count_n));
-  const auto pile = piles.drop(counts, config.bin->inner_size_m, config.pile->seed);
+  const std::vector<int> counts(simulated->kinds.size(),
+                                static_cast<int>(config.arm.pile->count_n));
+  const auto pile = piles.drop(counts, config.bin->inner_size_m, config.arm.pile->seed);
   if (!pile) return tl::unexpected(pile.error());
   auto made = agent::SimCell::create(simulated->kinds, *pile, layout(config), *arm);
   if (!made) return tl::unexpected(made.error());
   simulated->cell = *std::move(made);
 
   agent::SimCell& cell = *simulated->cell;
-  if (!config.pile->film.empty()) simulated->film.emplace(cell.physics(), kinds->colors);
+  if (!config.arm.pile->film.empty()) simulated->film.emplace(cell.physics(), kinds->colors);
 
   Equipment equipment;
   equipment.clock = {simulated, &cell.clock()};
@@ -88,7 +77,7 @@ Result<Equipment> make_simulated_equipment(const CellConfig& config) {
   equipment.timed = [&cell](agent::Planner& planner) -> agent::Planner& {
     return cell.timed(planner);
   };
-  equipment.finish = [simulated, path = config.pile->film] {
+  equipment.finish = [simulated, path = config.arm.pile->film] {
     return simulated->film ? simulated->film->write(path) : Result<void>();
   };
   return equipment;

@@ -31,6 +31,8 @@ struct ServeArguments {
   std::optional<std::string> http_endpoint;
   std::optional<std::uint32_t> workers_n;
   std::optional<std::string> log_level;
+  std::optional<std::string> key_file;
+  std::optional<std::string> allowed_cells;
   bool insecure = false;
 };
 
@@ -50,18 +52,19 @@ Result<service::ServerConfig> configure(const ServeArguments& arguments) {
   if (arguments.log_level) {
     config.log_level = parse_enum<service::LogLevel>(*arguments.log_level).value();
   }
+  if (arguments.key_file) config.key_file = *arguments.key_file;
+  if (arguments.allowed_cells) config.allowed_cells = *arguments.allowed_cells;
   if (arguments.insecure) config.insecure = true;
   config.parts = std::filesystem::absolute(config.parts);
   if (auto ok = service::validate(config); !ok) return tl::unexpected(ok.error());
   return config;
 }
 
-/// SIGTERM and SIGINT as a descriptor. Blocked from here on, in every thread that starts later.
-int signal_descriptor() {
+/// Signals as a descriptor. Blocked from here on, in every thread that starts later.
+int signal_descriptor(std::initializer_list<int> numbers) {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
+  for (const int number : numbers) sigaddset(&signals, number);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   const int fd = signalfd(-1, &signals, SFD_CLOEXEC);
   if (fd < 0) throw std::system_error(errno, std::generic_category(), "signalfd");
@@ -99,10 +102,12 @@ service::Log make_log(service::LogLevel least) {
 /// The configuration that workers read: what is in force here, even if the file changes meanwhile.
 std::filesystem::path write_effective_config(const service::ServerConfig& config,
                                              const std::filesystem::path& folder) {
-  std::filesystem::path path = folder / "server.yaml";
-  std::ofstream file(path);
+  const std::filesystem::path path = folder / "server.yaml";
+  const std::filesystem::path beside = folder / "server.yaml.new";
+  std::ofstream file(beside);
   file << service::to_yaml(config) << std::flush;
-  if (!file) throw std::runtime_error(fmt::format("{}: can't be written", path.string()));
+  if (!file) throw std::runtime_error(fmt::format("{}: can't be written", beside.string()));
+  std::filesystem::rename(beside, path);  // a worker that starts during a reload reads all of it
   return path;
 }
 
@@ -119,29 +124,48 @@ std::unique_ptr<service::WorkerLauncher> make_launcher(const service::ServerConf
       "/proc/self/exe", std::vector<std::string>{"grasp_server", "worker", "--config", effective});
 }
 
+Result<std::optional<service::Authentication>> read_keys(const service::ServerConfig& config) {
+  if (config.insecure) return std::nullopt;
+  auto server = keys::read_key_pair(config.key_file);
+  if (!server) return tl::unexpected(server.error());
+  auto allowed = keys::AllowList::read(config.allowed_cells);
+  if (!allowed) return tl::unexpected(allowed.error());
+  return service::Authentication{*std::move(server), *std::move(allowed)};
+}
+
+int refuse(const Error& error) {
+  fmt::print(stderr, "grasp_server: {}: {}\n", name_of(error.code), error.message);
+  return kExitWrongInput;
+}
+
 int serve(const ServeArguments& arguments) {
   const auto config = configure(arguments);
-  if (!config) {
-    fmt::print(stderr, "grasp_server: {}: {}\n", name_of(config.error().code),
-               config.error().message);
-    return kExitWrongInput;
-  }
+  if (!config) return refuse(config.error());
+  // Before anything that takes long: a signal that comes meanwhile is not lost, and kills nobody.
+  const int stop_fd = signal_descriptor({SIGTERM, SIGINT});
+  const int reload_fd = signal_descriptor({SIGHUP});
+  const auto authentication = read_keys(*config);
+  if (!authentication) return refuse(authentication.error());
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                     threads_per_worker(*config));
   auto planner = make_planner(*config);
-  if (!planner) {
-    fmt::print(stderr, "grasp_server: {}: {}\n", name_of(planner.error().code),
-               planner.error().message);
-    return kExitWrongInput;
-  }
+  if (!planner) return refuse(planner.error());
   const service::PrivateDirectory folder;
   const auto launcher = make_launcher(*config, *planner, folder.path());
 
   service::FrontOptions options;
   options.config = *config;
-  options.facts = {planner->part_ids, planner->server, {}};
+  options.facts = {planner->part_ids, planner->server};
   options.worker_endpoint = "ipc://" + (folder.path() / "workers").string();
-  options.stop_fd = signal_descriptor();
+  options.authentication = *authentication;
+  options.stop_fd = stop_fd;
+  options.reload_fd = reload_fd;
+  options.load_parts = [&]() -> Result<service::NewParts> {
+    const auto loaded = make_planner(*config);
+    if (!loaded) return tl::unexpected(loaded.error());
+    return service::NewParts{{loaded->part_ids, loaded->server},
+                             make_launcher(*config, *loaded, folder.path())};
+  };
   options.log = make_log(config->log_level);
   service::Front* running = nullptr;
   options.on_ready = [&] {
@@ -188,13 +212,17 @@ void add_serve_command(CLI::App& app) {
         return parse_enum<service::LogLevel>(name) ? "" : "known: " + names_of<service::LogLevel>();
       })
       ->type_name("LEVEL");
+  command->add_option("--key", arguments->key_file, "the server's own key")->type_name("FILE");
+  command->add_option("--allowed-cells", arguments->allowed_cells, "list of who may ask")
+      ->type_name("FILE");
   command->add_flag("--insecure", arguments->insecure,
-                    "listen beyond this machine although clients are not authenticated");
+                    "let everybody on this machine ask, without keys; loopback only");
   command->footer(
       "Prints 'grasp_server ready: data ENDPOINT, control ENDPOINT, …' on its output when it is, "
       "logs to its error\noutput, and ends on SIGTERM or Ctrl-C after finishing what it accepted; "
-      "at once on the second.\n\n"
-      "Example: grasp_server serve --config deploy/server.yaml --workers 2");
+      "at once on the second.\nSIGHUP reads the list of allowed cells and the parts again while it "
+      "goes on serving.\n\n"
+      "Example: grasp_server serve --config deploy/server.yaml --insecure --workers 2");
   command->callback([arguments] {
     if (const int code = serve(*arguments)) throw CLI::RuntimeError(code);
   });

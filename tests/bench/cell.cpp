@@ -8,10 +8,10 @@
 #include <iostream>
 
 #include "cell_report.hpp"
+#include "driven_arm.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/perception/planner.hpp"
 #include "graspd/server_planner/server_planner.hpp"
-#include "simulated_equipment.hpp"
 
 namespace graspd::bench {
 namespace {
@@ -54,14 +54,14 @@ Result<std::unique_ptr<agent::Planner>> make_planner(const Options& options,
 
 Result<robot_agent::CellConfig> read_cell(const Options& options) {
   auto cell = robot_agent::read_cell_config(options.cell, ".");
-  if (cell && cell->arm != robot_agent::ArmKind::kSimulated) {
+  if (cell && !cell->arm.pile) {
     return invalid("--cell: {} is not simulated", options.cell.string());
   }
   return cell;
 }
 
 Result<Carrier> make_carrier(const robot_agent::CellConfig& cell, bool floating) {
-  const auto arm = robot_agent::make_arm(cell);
+  const auto arm = robot_agent::load_arm(cell);
   if (!arm) return tl::unexpected(arm.error());
   if (!floating) return *arm;
   return agent::FloatingOptions{.T_base_out_of_view =
@@ -89,9 +89,9 @@ Result<void> run_part(const parts::Part& part, const std::vector<Pipeline>& pipe
   const int piles_n = options.piles_n > 0 ? options.piles_n
                       : part.id == "tee"  ? options.tee_piles_n
                                           : options.other_piles_n;
-  cell.pile->count_n = static_cast<std::uint32_t>(options.parts_n);
+  cell.arm.pile->count_n = static_cast<std::uint32_t>(options.parts_n);
   for (int k = 0; k < piles_n; ++k) {
-    cell.pile->seed = static_cast<std::uint32_t>(options.seed + k);
+    cell.arm.pile->seed = static_cast<std::uint32_t>(options.seed + k);
     for (const Pipeline& pipeline : pipelines) {
       const BinKey key{pipeline.name, part.id, options.seed + k};
       if (log.has(key)) continue;

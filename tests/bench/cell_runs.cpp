@@ -135,8 +135,8 @@ Result<BinRow> empty_bin(const BinJob& job, const sim_cell::PileMaker& piles,
                          agent::Planner& planner,
                          const std::function<void(const PickRow&)>& on_pick) {
   const auto wall_start = std::chrono::steady_clock::now();
-  const auto pile = piles.drop({static_cast<int>(job.cell.pile->count_n)},
-                               job.cell.bin->inner_size_m, job.cell.pile->seed);
+  const auto pile = piles.drop({static_cast<int>(job.cell.arm.pile->count_n)},
+                               job.cell.bin->inner_size_m, job.cell.arm.pile->seed);
   if (!pile) return tl::unexpected(pile.error());
   const std::vector<parts::Mesh> kinds{job.part.mesh};
   const auto made =

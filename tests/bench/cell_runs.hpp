@@ -49,7 +49,7 @@ struct BinRow {
 };
 
 /// What moves the gripper.
-using Carrier = std::variant<agent::SimArm, agent::FloatingOptions>;
+using Carrier = std::variant<motion::MountedArm, agent::FloatingOptions>;
 
 struct BinJob {
   const parts::Part& part;

@@ -57,7 +57,7 @@ class SimulatedRig final : public JointDriverRig {
   const std::vector<parts::Mesh> kinds_;
   const std::unique_ptr<agent::SimCell> cell_ =
       agent::SimCell::create(kinds_, {}, beside_the_bin(),
-                             agent::SimArm{anno(), {}, agent::Joints::Zero(6)})
+                             motion::MountedArm{anno(), {}, agent::Joints::Zero(6)})
           .value();
 };
 

@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       message.frames.push_back(frame_of("a client"));
       message.frames.emplace_back(data, size);
       if (frames_n > 2) message.frames.push_back(frame_of("0123456789abcdef"));
-      const Incoming incoming = take_in(std::move(message), {"tee", "elbow"}, door);
+      const Incoming incoming = take_in(std::move(message), {"tee", "elbow"}, door, std::nullopt);
       const auto* plan = std::get_if<PlanJob>(&incoming);
       if (plan == nullptr) continue;
       graspd::fuzz::check(door == Door::kData && frames_n == 3, "a plan is two frames, for data");

@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 
+#include "driven_arm.hpp"
 #include "fake_ros_arm.hpp"
 #include "graspd/ros/driver.hpp"
+#include "temporary_folder.hpp"
 
 /// The driver over ROS, with a real master and an arm that misbehaves.
 namespace graspd::ros_arm {
@@ -39,6 +41,28 @@ class RosDriver : public ::testing::Test {
  protected:
   testing::FakeRosArm arm{{0, 0, 0, 0, 0, 0}};
 };
+
+TEST_F(RosDriver, ACellsConfigurationReachesIt) {
+  const testing::TemporaryFolder folder;
+  const auto path =
+      folder.write("cell.yaml",
+                   "cell: a\nparts: [{id: tee}]\ncamera: {path: scene}\n"
+                   "T_base_camera: [1, 0, 0, 0.3, 0, -1, 0, 0, 0, 0, -1, 0.75, 0, 0, 0, 1]\n"
+                   "bin: {T_base_bin: [1, 0, 0, 0.3, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],\n"
+                   "      inner_size_m: [0.3, 0.24, 0.12]}\n"
+                   "gripper: {output: {open: [\"true\"], close: [\"true\"]}}\n"
+                   "T_base_place: [1, 0, 0, 0, 0, -1, 0, -0.31, 0, 0, -1, 0.07, 0, 0, 0, 1]\n"
+                   "arm:\n  kind: ros\n  motion:\n    out_of_view_rad: [0.2, 0, 0, 0, 0, 0]\n"
+                   "    T_flange_grasp: [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, -0.17, 0, 0, 0, 1]\n"
+                   "    urdf: " GRASPD_SOURCE_DIR "/deploy/arms/probot_anno.urdf\n");
+  const auto config = robot_agent::read_cell_config(path, folder.path());
+  ASSERT_TRUE(config) << config.error().message;
+  const auto driven = robot_agent::make_driven_arm(*config);
+  ASSERT_TRUE(driven) << driven.error().message;
+  const auto moved = (*driven)->move_out_of_view();
+  ASSERT_TRUE(moved) << moved.error().message;
+  EXPECT_NEAR(connect_driver()->joints().value()[0], 0.2, 0.01);
+}
 
 TEST_F(RosDriver, AnArmThatHaltsShortIsStoppedAndSaid) {
   const auto driver = connect_driver();

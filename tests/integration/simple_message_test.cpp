@@ -53,6 +53,15 @@ class SimpleMessage : public ::testing::Test {
   FakeController controller{{0, 0, 0, 0, 0, 0}};
 };
 
+TEST_F(SimpleMessage, MoreJointsThanItsMessagesHaveRoomForAreRefused) {
+  DriverOptions many = options();
+  many.joints_n = 11;
+  const auto driver = connect(many);
+  ASSERT_FALSE(driver);
+  EXPECT_EQ(driver.error().code, Code::kInvalidArgument);
+  EXPECT_THAT(driver.error().message, HasSubstr("1 to 10 joints, not of 11"));
+}
+
 TEST_F(SimpleMessage, DownloadsATrajectoryAsControllersExpectIt) {
   ASSERT_TRUE(connect_driver()->follow(far()));
   const auto points = controller.points();

@@ -52,7 +52,11 @@ class FakeController {
   std::uint16_t motion_port() const { return motion_.port; }
   std::uint16_t state_port() const { return state_.port; }
 
-  void misbehave(Misbehaviour misbehaviour) { misbehaviour_ = misbehaviour; }
+  /// In each motion from now on, but for so many that go well before.
+  void misbehave(Misbehaviour misbehaviour, int good_motions_n = 0) {
+    misbehaviour_ = misbehaviour;
+    good_motions_n_ = good_motions_n;
+  }
   void answer_stops(StopAnswer answer) { stop_answer_ = answer; }
   /// Sends every message byte by byte, and states with PINGs between them.
   void dribble() { dribbles_ = true; }
@@ -99,12 +103,14 @@ class FakeController {
   bool moves_ = false;
 
   std::atomic<Misbehaviour> misbehaviour_ = Misbehaviour::kNone;
+  std::atomic<int> good_motions_n_ = 0;
   std::atomic<StopAnswer> stop_answer_ = StopAnswer::kConfirms;
   std::atomic<bool> dribbles_ = false;
   std::atomic<bool> e_stopped_ = false;
   std::atomic<bool> hides_motion_ = false;
   std::atomic<int> stops_n_ = 0;
   std::atomic<bool> over_ = false;
+  bool goes_well_ = true;  ///< this motion
   bool went_wrong_ = false;
   std::int32_t sequence_ = 0;
 

@@ -73,8 +73,8 @@ inline auto fields(Object& s) {
   return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o);
 }
 inline auto fields(Grasp& s) {
-  auto& [a, b, c, d, e, f, g, h] = s;
-  return std::tie(a, b, c, d, e, f, g, h);
+  auto& [a, b, c, d, e, f, g, h, i] = s;
+  return std::tie(a, b, c, d, e, f, g, h, i);
 }
 inline auto fields(StageTiming& s) {
   auto& [a, b] = s;

@@ -18,6 +18,17 @@ using nlohmann::json;
 inline const Eigen::Vector3d kBar_m(0.08, 0.024, 0.02);
 inline const Eigen::Vector3d kStick_m(0.1, 0.03, 0.02);
 
+/// The reference file with every key that it comments out.
+inline std::string with_every_key(const std::filesystem::path& reference) {
+  std::string text;
+  std::ifstream stream(reference);
+  for (std::string line; std::getline(stream, line);) {
+    const bool is_key = line.size() > 2 && line[0] == '#' && (line[1] != ' ' || line[2] == ' ');
+    text += (is_key && line.find(':') != std::string::npos ? line.substr(1) : line) + "\n";
+  }
+  return text;
+}
+
 class AgentTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

@@ -55,6 +55,46 @@ TEST_F(AgentRecordsTest, FramesAreNotKeptWhereNobodyWantsThem) {
   EXPECT_TRUE(std::filesystem::exists(run_folder("bop") / "requests/000000.json"));
 }
 
+/// The walls of the recorded bin.
+std::vector<Block> walls() {
+  constexpr double kThick_m = 0.006;
+  const Eigen::Vector3d inner_m(0.4, 0.3, 0.15);
+  std::vector<Block> walls;
+  for (const int axis : {0, 1}) {
+    for (const int side : {-1, 1}) {
+      Block& wall = walls.emplace_back();
+      wall.size_m = inner_m;
+      wall.size_m[axis] = kThick_m;
+      wall.T_camera_block.translation().z() = kHeight_m - inner_m.z() / 2;
+      wall.T_camera_block.translation()[axis] = side * (inner_m[axis] + kThick_m) / 2;
+    }
+  }
+  return walls;
+}
+
+TEST_F(AgentRecordsTest, ABinThatHasDriftedRaisesTheAlarmOnce) {
+  const std::vector<Block> bin = walls();
+  const auto with = [&](std::vector<Block> bars) {
+    bars.insert(bars.end(), bin.begin(), bin.end());
+    return frame_of(bars);
+  };
+  const auto bars = three_bars();
+  const auto scene =
+      write_bop({with(bars), with({bars[1], bars[2]}), with({bars[1]}), with({bars[2]})});
+  const Finished finished =
+      agent(write_config("bop", scene, "bar",
+                         "drift_alarm: {limit_m: 0.008, answers_n: 2}\n"
+                         "T_base_camera: [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0.75, 0, 0, 0, 1]\n"
+                         "bin: {T_base_bin: [1, 0, 0, 0.012, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],\n"
+                         "      inner_size_m: [0.4, 0.3, 0.15]}\n"));
+  EXPECT_THAT(finished.output,
+              ContainsRegex("warning bop: the bin was 1[12]\\.[0-9] to 1[123]\\.[0-9] "
+                            "mm off in 2 frames in a row"));
+  std::vector<bool> is_alarmed;
+  for (const json& pick : picks("bop")) is_alarmed.push_back(pick.contains("alarm"));
+  EXPECT_THAT(is_alarmed, ElementsAre(false, true, false, false));
+}
+
 TEST_F(AgentRecordsTest, TheReportSumsUpOneRunAndMany) {
   const auto bars = three_bars();
   const auto scene = write_bop({frame_of(bars), frame_of({bars[1], bars[2]}), frame_of({})});

@@ -17,14 +17,21 @@ Finished demo(const std::string& environment) {
       fmt::format("GRASPD_REAL_DATA=/nowhere {} {}/deploy/demo", environment, GRASPD_SOURCE_DIR));
 }
 
-TEST(DemoTest, ServesTwoCellsAndSaysWhereThePicturesAre) {
+TEST(DemoTest, ServesFourCellsAndSaysWhereThePicturesAre) {
   const TemporaryFolder folder;
   const Finished finished =
-      demo(fmt::format("PILE=4 OUT={} BIN={}", folder.path().string(), PROGRAMS));
+      demo(fmt::format("CELLS=2 PILE=3 OUT={} BIN={}", folder.path().string(), PROGRAMS));
   ASSERT_EQ(finished.exit_code, 0) << finished.output;
-  EXPECT_THAT(finished.output, HasSubstr("simulated_tees     0  PLANNED"));
-  EXPECT_THAT(finished.output, HasSubstr("picks per hour"));
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "simulated_tees.gif"));
+  for (const std::string cell : {"simulated_tees", "simulated_tees_2"}) {
+    EXPECT_THAT(finished.output, ::testing::ContainsRegex(fmt::format("\n{} +0  PLANNED", cell)));
+    EXPECT_THAT(finished.output,
+                ::testing::ContainsRegex(fmt::format("{0}_2[^ ]+ +{0} +[0-9]", cell)))
+        << "its summary";
+  }
+  for (const char* film : {"simulated_tees.gif", "simulated_tees_2/simulated_tees.gif"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / film));
+    EXPECT_THAT(finished.output, HasSubstr(std::string("\n") + film + "  an arm"));
+  }
   for (const std::string cell : {"tees", "elbows"}) {
     const std::regex frame_line("\n" + cell + R"( +\d+  [A-Z_]+ )");
     const std::sregex_iterator lines(finished.output.begin(), finished.output.end(), frame_line);
@@ -47,6 +54,12 @@ TEST(DemoTest, SaysWhatToDoWhereTheProgramsAreMissing) {
   const Finished finished = demo(fmt::format("OUT={0} BIN={0}", folder.path().string()));
   EXPECT_EQ(finished.exit_code, 1);
   EXPECT_THAT(finished.output, HasSubstr("./run build"));
+}
+
+TEST(DemoTest, RefusesANumberOfCellsThatIsNone) {
+  const Finished finished = demo("CELLS=many");
+  EXPECT_EQ(finished.exit_code, 1);
+  EXPECT_THAT(finished.output, HasSubstr("CELLS is 'many'"));
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ TEST_F(ObserveTest, APartThatIsNotFoundInItsGoldenFrameKeepsTheServerFromGetting
   // More than any part covers.
   const std::string file = config("perception:\n  registration:\n    min_explained_px: 100000\n");
   const Finished refused = run("timeout 30 " + std::string(GRASP_SERVER) +
-                               " serve --endpoint tcp://127.0.0.1:0 --control-endpoint "
+                               " serve --insecure --endpoint tcp://127.0.0.1:0 --control-endpoint "
                                "tcp://127.0.0.1:0 --workers 1 --config " +
                                file);
   EXPECT_EQ(refused.exit_code, 1);
@@ -117,7 +117,7 @@ TEST_F(ObserveTest, EveryLineOfTheLogIsJsonAndAFailedRequestCanBeSentAgain) {
 }
 
 TEST_F(ObserveTest, HttpBeyondThisMachineMustBeSaid) {
-  const std::string serve = std::string(GRASP_SERVER) + " serve --config ";
+  const std::string serve = std::string(GRASP_SERVER) + " serve --insecure --config ";
   const Finished refused = run(serve + config("http:\n  endpoint: tcp://0.0.0.0:0\n"));
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.output, HasSubstr("expose: true"));

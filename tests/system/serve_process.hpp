@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
@@ -37,16 +38,20 @@ inline Finished run(const std::string& command) {
   return finished;
 }
 
-/// `grasp_server serve …` on free ports; ended at the end, if it still runs. Its log goes into
-/// `log`, where that is said.
+/// `grasp_server serve …`, on free ports and without keys unless the arguments say otherwise; ended
+/// at the end, if it still runs. Its log goes into `log`, where that is said.
 class ServeProcess {
  public:
   explicit ServeProcess(std::vector<std::string> arguments, const std::string& log = {}) {
-    const std::vector<std::string> common{GRASP_SERVER,         "serve",
-                                          "--endpoint",         "tcp://127.0.0.1:0",
-                                          "--control-endpoint", "tcp://127.0.0.1:0",
-                                          "--log-level",        log.empty() ? "warning" : "info"};
-    arguments.insert(arguments.begin(), common.begin(), common.end());
+    const auto say_unless = [&](const std::string& said, const std::vector<std::string>& words) {
+      if (std::find(arguments.begin(), arguments.end(), said) != arguments.end()) return;
+      arguments.insert(arguments.end(), words.begin(), words.end());
+    };
+    say_unless("--endpoint", {"--endpoint", "tcp://127.0.0.1:0"});
+    say_unless("--control-endpoint", {"--control-endpoint", "tcp://127.0.0.1:0"});
+    say_unless("--log-level", {"--log-level", log.empty() ? "warning" : "info"});
+    say_unless("--key", {"--insecure"});
+    arguments.insert(arguments.begin(), {GRASP_SERVER, "serve"});
     int output[2];
     if (pipe2(output, O_CLOEXEC) != 0) throw std::runtime_error("pipe failed");
     pid_ = fork();

@@ -229,13 +229,14 @@ TEST_F(ServeRefusals, NameTheKeyTheFileAndTheLine) {
 }
 
 TEST_F(ServeRefusals, NameThePartsFolderThatIsNotThere) {
-  const Finished refused = serve_file("parts: nowhere\n");
+  const Finished refused = serve_file("insecure: true\nparts: nowhere\n");
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.output, HasSubstr("nowhere"));
 }
 
 TEST_F(ServeRefusals, NameTheEndpointThatOthersReach) {
-  const Finished refused = serve_file("parts: parts\ndata_endpoint: tcp://0.0.0.0:0\n");
+  const Finished refused =
+      serve_file("insecure: true\nparts: parts\ndata_endpoint: tcp://0.0.0.0:0\n");
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.output, HasSubstr("insecure: true"));
 }
@@ -244,7 +245,7 @@ TEST_F(ServeRefusals, NameThePortInUse) {
   ServeProcess server(arguments());
   ASSERT_TRUE(server.wait_ready());
   const Finished refused =
-      serve_file("parts: parts\ndata_endpoint: " + server.data_endpoint + "\n");
+      serve_file("insecure: true\nparts: parts\ndata_endpoint: " + server.data_endpoint + "\n");
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_THAT(refused.output, HasSubstr(server.data_endpoint + " is in use"));
 }

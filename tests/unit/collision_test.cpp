@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "block_pile.hpp"
 #include "fcl_twin.hpp"
 #include "random_pose.hpp"
@@ -308,6 +310,7 @@ TEST_F(Collision, WallsEndAtTheRimAndFloorsDoNot) {
   EXPECT_EQ(at(0.21, 0.01), CheckState::kFailed) << "the palm, 50 mm to each side, in the wall";
   EXPECT_EQ(at(0.21, 0.11), CheckState::kPassed) << "the palm above the rim";
   EXPECT_EQ(at(0.23, 0.11), CheckState::kFailed) << "a jaw in the wall";
+  EXPECT_EQ(at(0.253, 0.11), CheckState::kFailed) << "the wall between the jaws";
   EXPECT_EQ(at(0.25, 0.16), CheckState::kPassed) << "all above the rim";
   EXPECT_EQ(at(0.32, 0.01), CheckState::kPassed) << "beside the bin";
 }
@@ -321,6 +324,21 @@ TEST_F(Collision, JawsMustNotCutIntoThePartItself) {
   EXPECT_EQ(parts.state, CheckState::kFailed);
   EXPECT_EQ(parts.other, 0U);
   EXPECT_TRUE(parts.depends_on_opening);
+}
+
+TEST_F(Collision, RoomIsByHowMuchWiderTheGripperCouldBe) {
+  parameters_.gripper_cloud = false;
+  for (const auto& [gap_m, room_m] : std::map<double, double>{
+           {0.0005, 0}, {0.003, 0.002}, {0.005, 0.004}, {0.007, 0.006}, {0.02, 0.006}}) {
+    pile_.parts.clear();
+    add(BlockPile::at(0, 0, 0.0125));
+    const double jaw_m = kOpening_m / 2 + gripper_.jaw_size_m.x() + parameters_.margin_m;
+    add(BlockPile::at(0, jaw_m + gap_m + 0.0125, 0.0125));
+    pile_.look();
+    const Eigen::Isometry3d T = above(pile_.parts[0]);
+    EXPECT_EQ(of(check(T), Check::kGripperParts).state, CheckState::kPassed);
+    EXPECT_EQ(scene_with(pile_.bin).room_m(T, kOpening_m), room_m) << "gap of " << gap_m;
+  }
 }
 
 TEST_F(Collision, ASuctionCupSitsOnThePart) {

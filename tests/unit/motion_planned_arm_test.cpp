@@ -39,7 +39,7 @@ class Arm : public ::testing::Test {
  protected:
   Arm() {
     driver.at_rad = cell.out_of_view_rad;
-    arm = PlannedArm::create(driver, cell.arm, cell.parameters, cell.out_of_view_rad).value();
+    arm = PlannedArm::create(driver, {cell.arm, cell.parameters, cell.out_of_view_rad}).value();
     arm->set_surroundings(cell.around);
   }
 
@@ -126,6 +126,14 @@ TEST_F(Arm, AControllerThatSaysNothingOrNonsenseMovesNothing) {
   EXPECT_TRUE(driver.followed.empty());
 }
 
+TEST_F(Arm, BeyondItsLimitsItDoesNotClearTheViewEither) {
+  driver.at_rad[2] = 4.1;
+  const auto moved = arm->move_out_of_view();
+  ASSERT_FALSE(moved);
+  EXPECT_THAT(moved.error().message, StartsWith("out_of_view: the arm stands beyond its limits"));
+  EXPECT_TRUE(driver.followed.empty());
+}
+
 TEST_F(Arm, StopsItsController) {
   EXPECT_EQ(arm->why_not(pick.all()), std::nullopt);
   arm->stop();
@@ -134,11 +142,11 @@ TEST_F(Arm, StopsItsController) {
 
 TEST_F(Arm, APlaceOutOfViewThatIsNoneIsRefused) {
   const auto of_four =
-      PlannedArm::create(driver, cell.arm, cell.parameters, agent::Joints::Zero(4));
+      PlannedArm::create(driver, {cell.arm, cell.parameters, agent::Joints::Zero(4)});
   ASSERT_FALSE(of_four);
   EXPECT_THAT(of_four.error().message, HasSubstr("out of view: 4 joints"));
   cell.out_of_view_rad[1] = 3;
-  const auto beyond = PlannedArm::create(driver, cell.arm, cell.parameters, cell.out_of_view_rad);
+  const auto beyond = PlannedArm::create(driver, {cell.arm, cell.parameters, cell.out_of_view_rad});
   ASSERT_FALSE(beyond);
   EXPECT_THAT(beyond.error().message, HasSubstr("out of view: joint_2 would be at 3.000 rad"));
 }

@@ -106,6 +106,19 @@ TEST_F(RecordsTest, APickBecomesOneLineOfJson) {
   EXPECT_FALSE(pick.contains("message"));
 }
 
+TEST_F(RecordsTest, AnAlarmIsKeptWithTheFrameThatRaisedIt) {
+  task.drift = {.limit_m = 0.006, .answers_n = 2};
+  PlanAnswer adrift = agent::planned();
+  adrift.warnings = {"the bin lies 8 mm away, its rim by up to 8.0 mm"};
+  script({adrift, adrift, adrift, agent::planned()});
+  run();
+  std::vector<std::string> alarms;
+  for (const agent::PickRecord& record : records) {
+    alarms.push_back(json::parse(to_json(record)).value("alarm", ""));
+  }
+  EXPECT_THAT(alarms, ElementsAre("", HasSubstr("8.0 to 8.0 mm off in 2 frames"), "", ""));
+}
+
 TEST_F(RecordsTest, WhatAPickDidNotComeToIsLeftOut) {
   script({agent::refusal(Code::kUnknownPart)});
   run();

@@ -71,6 +71,31 @@ TEST(StirTest, StrokesGoThroughTheTopOfThePileSlowlyAndStayInTheBin) {
   }
 }
 
+TEST(StirTest, LongJawsGetToTheWallWhereThePalmStaysAboveTheRim) {
+  const Bin bin = turned_bin();
+  const Surroundings heap = heap_at(bin, 0.12, -0.07);
+  const auto farthest_m = [&](double jaw_m) {
+    graspd::Gripper gripper;
+    gripper.jaw_size_m.z() = jaw_m;
+    Eigen::Vector2d farthest_m = Eigen::Vector2d::Zero();
+    for (const Stroke& stroke : strokes(heap, gripper, {})) {
+      for (const Motion& motion : stroke) {
+        farthest_m = farthest_m.cwiseMax(in_bin(bin, motion).head<2>().cwiseAbs());
+      }
+    }
+    return farthest_m;
+  };
+  const Eigen::Vector2d half_m = bin.inner_size_m.head<2>() / 2;
+  const graspd::Gripper gripper;
+  const Eigen::Vector2d with_palm_m = half_m - farthest_m(0.05);
+  EXPECT_GE(with_palm_m.x(), gripper.palm_size_m.x() / 2);
+  EXPECT_GE(with_palm_m.y(), gripper.palm_size_m.y() / 2);
+  const Eigen::Vector2d jaws_alone_m = half_m - farthest_m(0.11);
+  EXPECT_GE(jaws_alone_m.x(), gripper.jaw_size_m.x());
+  EXPECT_GE(jaws_alone_m.y(), gripper.jaw_size_m.y() / 2);
+  EXPECT_LT(jaws_alone_m.maxCoeff(), 0.02);
+}
+
 TEST(StirTest, NeverScratchesTheFloor) {
   const Bin bin = turned_bin();
   StirOptions options;

@@ -137,6 +137,44 @@ TEST_F(Ranking, OfALayerEveryObjectHasItsTurnBeforeAnyHasItsSecond) {
   for (std::size_t i = 0; i < objects_.size(); ++i) EXPECT_EQ(grasps[i].pick_point, "0");
 }
 
+TEST_F(Ranking, OfALayerTheRoomiestComesFirst) {
+  std::mt19937 random(9);
+  make_pile(random);
+  for (Grasp& grasp : grasps_) grasp.room_m = 0.002 * std::uniform_int_distribution(0, 3)(random);
+  const auto grasps = ranked();
+  const auto is_free = [&](const Grasp& grasp) {
+    const Object& object = object_of(grasp);
+    return object.supports_ids.empty() && object.entangled_ids.empty() &&
+           object.double_pick_ids.empty();
+  };
+  std::set<std::uint32_t> seen;
+  double last_m = 0.006;
+  for (const Grasp& grasp : grasps) {
+    if (!is_free(grasp) || !seen.insert(grasp.object_id).second) break;
+    EXPECT_LE(grasp.room_m, last_m);
+    last_m = grasp.room_m;
+    for (const Grasp& other : grasps_) {
+      if (other.object_id == grasp.object_id) EXPECT_LE(other.room_m, grasp.room_m);
+    }
+  }
+  EXPECT_LT(last_m, 0.006);
+}
+
+TEST_F(Ranking, RoomDoesNotCountWhereTheOrderIsThePapersOrTheRequests) {
+  std::mt19937 random(10);
+  make_pile(random);
+  const auto order = [&](double room_m) {
+    for (Grasp& grasp : grasps_) grasp.room_m = grasp.pick_point == "1" ? room_m : 0;
+    return names(ranked());
+  };
+  EXPECT_NE(order(0.006), order(0));
+  request_.options.strategy = Strategy::kHighest;
+  EXPECT_EQ(order(0.006), order(0));
+  request_.options.strategy = Strategy::kGrs;
+  parameters_.grs.p_system = PSystem::kCount;
+  EXPECT_EQ(order(0.006), order(0));
+}
+
 TEST_F(Ranking, AFailedSpotComesLastAndItsObjectsOtherGraspsJustBefore) {
   std::mt19937 random(5);
   make_pile(random);

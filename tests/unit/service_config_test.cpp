@@ -115,6 +115,12 @@ TEST_F(ConfigTest, PartsAreRelativeToTheFile) {
   EXPECT_EQ(read_config(file)->parts, folder_ / "../parts");
 }
 
+TEST_F(ConfigTest, KeysAreRelativeToTheFile) {
+  const auto config = read_config(write("key_file: keys/server.key\nallowed_cells: /etc/cells\n"));
+  EXPECT_EQ(config->key_file, folder_ / "keys/server.key");
+  EXPECT_EQ(config->allowed_cells, "/etc/cells");
+}
+
 TEST_F(ConfigTest, NamesEveryFaultWithItsLine) {
   const std::string message = refusal(
       "workers_n: many\n"
@@ -137,39 +143,78 @@ TEST_F(ConfigTest, AFileThatIsNotThereIsNamed) {
   EXPECT_THAT(config.error().message, HasSubstr("/nowhere/server.yaml"));
 }
 
-TEST(ConfigRules, LoopbackNeedsNoPermissionAndAnythingElseDoes) {
-  for (const char* endpoint :
-       {"tcp://127.0.0.1:5555", "tcp://127.0.1.9:0", "tcp://localhost:*", "tcp://[::1]:5555"}) {
+/// Valid, and with nothing said but who may come in.
+ServerConfig with_keys() {
+  ServerConfig config;
+  config.key_file = "server.key";
+  config.allowed_cells = "allowed_cells";
+  return config;
+}
+
+TEST(ConfigRules, WithoutKeysThisMachineAloneMayAskAndOnlyWhereThatIsSaid) {
+  for (const char* endpoint : {"tcp://127.0.0.1:5555", "tcp://127.0.1.9:0", "tcp://localhost:*",
+                               "tcp://[::1]:5555", "ipc:///run/graspd/data"}) {
     ServerConfig config;
     config.data_endpoint = endpoint;
+    const auto refused = validate(config);
+    ASSERT_FALSE(refused) << endpoint;
+    EXPECT_THAT(refused.error().message, HasSubstr("key_file and allowed_cells are missing"));
+    EXPECT_THAT(refused.error().message, HasSubstr("insecure: true"));
+    config.insecure = true;
     EXPECT_TRUE(validate(config)) << endpoint;
   }
-  for (const char* endpoint : {"tcp://0.0.0.0:5555", "tcp://*:5555", "tcp://eth0:5555",
-                               "tcp://192.168.1.7:5555", "tcp://example.org:5555"}) {
+  for (const char* endpoint :
+       {"tcp://0.0.0.0:5555", "tcp://*:5555", "tcp://eth0:5555", "tcp://192.168.1.7:5555",
+        "tcp://example.org:5555", "tcp://127.0.example.org:5555"}) {
     ServerConfig config;
     config.control_endpoint = endpoint;
+    config.insecure = true;
     const auto refused = validate(config);
     ASSERT_FALSE(refused) << endpoint;
     EXPECT_THAT(refused.error().message, HasSubstr("insecure: true"));
     EXPECT_THAT(refused.error().message, HasSubstr("control_endpoint"));
-    config.insecure = true;
+    config = with_keys();
+    config.control_endpoint = endpoint;
     EXPECT_TRUE(validate(config)) << endpoint;
   }
+}
+
+TEST(ConfigRules, KeysAreBothThereAndNotBesideInsecure) {
+  ServerConfig config = with_keys();
+  EXPECT_TRUE(validate(config));
+  config.insecure = true;
+  EXPECT_THAT(validate(config).error().message, HasSubstr("one of the two"));
+  config = with_keys();
+  config.key_file.clear();
+  EXPECT_THAT(validate(config).error().message, HasSubstr("key_file is missing"));
+  config = with_keys();
+  config.allowed_cells.clear();
+  EXPECT_THAT(validate(config).error().message, HasSubstr("allowed_cells is missing"));
 }
 
 TEST(ConfigRules, EndpointsThatAreNone) {
   for (const char* endpoint :
        {"", "127.0.0.1:5555", "tcp://127.0.0.1", "tcp://:5555", "tcp://127.0.0.1:70000",
-        "tcp://127.0.0.1:port", "udp://1.2.3.4:5"}) {
+        "tcp://127.0.0.1:port", "udp://1.2.3.4:5", "ipc://"}) {
     EXPECT_FALSE(parse_endpoint(endpoint)) << endpoint;
   }
 }
 
+TEST(ConfigRules, HttpListensOnTcpAndBeyondThisMachineOnlyWhereThatIsSaid) {
+  ServerConfig config = with_keys();
+  config.http_endpoint = "ipc:///run/graspd/http";
+  EXPECT_THAT(validate(config).error().message, HasSubstr("HTTP needs tcp://HOST:PORT"));
+  config.http_endpoint = "tcp://0.0.0.0:9464";
+  EXPECT_THAT(validate(config).error().message, HasSubstr("expose: true"));
+  config.http_expose = true;
+  EXPECT_TRUE(validate(config));
+}
+
 TEST(ConfigRules, NumbersOutOfRange) {
-  ServerConfig config;
+  ServerConfig config = with_keys();
   config.workers_n = 257;
   EXPECT_FALSE(validate(config));
-  config = {};
+  config = with_keys();
   config.worker_memory_limit_mib = 64;
   EXPECT_FALSE(validate(config));
   config.worker_memory_limit_mib = 0;

@@ -44,7 +44,6 @@ TEST(Metrics, AreThereBeforeTheFirstRequestWithATypeEach) {
   EXPECT_EQ(metrics.type.at("graspd_queued_requests"), "gauge");
   for (const auto& [code, name] : EnumNames<Code>::values) {
     if (code == Code::kUnavailable) continue;
-    EXPECT_EQ(metrics.at(answers("known", std::string(name))), 0);
     EXPECT_EQ(metrics.at(answers("other", std::string(name))), 0);
   }
   EXPECT_EQ(metrics.at("graspd_planned_parts_total{part=\"echo\"}"), 0);
@@ -58,7 +57,7 @@ TEST(Metrics, CountEachKindOfAnswerOnce) {
   ThreadLauncher launcher = threads();
   RunningFront front(with_http(1), launcher);
   front.wait_ready();
-  Client client({front.data_endpoint}, options_of("known", 1));
+  Client client({front.data_endpoint}, options_of("cell", 1));
   const MetricsText before = read(front);
   for (int i = 0; i < 3; ++i) {
     EXPECT_TRUE(client.plan(example_frame(), example_request({"echo", "other"}), kBudget));
@@ -71,9 +70,9 @@ TEST(Metrics, CountEachKindOfAnswerOnce) {
 
   const MetricsText after = read(front);
   expect_counters_to_count_on(before, after);
-  EXPECT_EQ(after.at(answers("known", "OK")), 3);
-  EXPECT_EQ(after.at(answers("known", "INTERNAL")), 1);
-  EXPECT_EQ(after.at(answers("known", "UNKNOWN_PART")), 1);
+  EXPECT_EQ(after.at(answers("other", "OK")), 3);
+  EXPECT_EQ(after.at(answers("other", "INTERNAL")), 1);
+  EXPECT_EQ(after.at(answers("other", "UNKNOWN_PART")), 1);
   EXPECT_EQ(after.at(answers("other", "INVALID_ARGUMENT")), 1);
   EXPECT_EQ(after.at("graspd_broken_total{code=\"INTERNAL\"}"), 1);
   EXPECT_EQ(after.at("graspd_shed_total{code=\"BUSY\"}"), 0);
@@ -91,7 +90,7 @@ TEST(Metrics, WhatIsShedIsNotBroken) {
   ThreadLauncher launcher = threads(gate.handler());
   RunningFront front(with_http(1), launcher);
   front.wait_ready();
-  Client client({front.data_endpoint}, options_of("known", 1));
+  Client client({front.data_endpoint}, options_of("cell", 1));
   auto running = client.submit(example_frame(), example_request(), kBudget);
   gate.wait_for_entered(1);
   // Two find a place in the cell's queue, the third takes that of the first.
@@ -134,7 +133,7 @@ TEST(Metrics, CountLostWorkersAndSeeTheirMemory) {
   ProcessLauncher launcher = processes();
   RunningFront front(with_http(1), launcher);
   front.wait_ready();
-  Client client({front.data_endpoint}, options_of("known", 1));
+  Client client({front.data_endpoint}, options_of("cell", 1));
   EXPECT_FALSE(client.plan(example_frame(), example_request({"crash"}), kBudget));
   EXPECT_TRUE(client.plan(example_frame(), example_request(), kBudget));
   MetricsText metrics = read(front);
@@ -148,7 +147,7 @@ TEST(Metrics, HealthSaysTheSame) {
   ThreadLauncher launcher = threads();
   RunningFront front(with_http(1), launcher);
   front.wait_ready();
-  Client client({front.data_endpoint}, options_of("known", 1));
+  Client client({front.data_endpoint}, options_of("cell", 1));
   EXPECT_TRUE(client.plan(example_frame(), example_request(), kBudget));
   EXPECT_TRUE(client.plan(example_frame(), example_request(), kBudget));
   EXPECT_FALSE(client.plan(example_frame(), example_request({"throw"}), kBudget));

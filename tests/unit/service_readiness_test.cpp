@@ -92,7 +92,7 @@ TEST(Readiness, NotWhileNoWorkerIsUp) {
   wait_for_readyz(front, 200);
   Client client({front.data_endpoint}, options_of("cell", 1));
   EXPECT_FALSE(client.plan(example_frame(), example_request({"crash"}), kBudget));
-  EXPECT_THAT(wait_for_readyz(front, 503).body, HasSubstr("no worker is up; worker-0."));
+  EXPECT_THAT(wait_for_readyz(front, 503).body, HasSubstr("no worker is up; worker-1-0."));
   const auto health = client.health(kBudget).at(0).health;
   ASSERT_TRUE(health) << health.error().message;
   EXPECT_NE(health->state, ServerState::kReady);

@@ -3,10 +3,13 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <condition_variable>
+#include <functional>
 #include <future>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -61,13 +64,18 @@ inline ServerConfig scripted_config(std::uint32_t workers_n) {
   config.data_endpoint = "tcp://127.0.0.1:*";
   config.control_endpoint = "tcp://127.0.0.1:*";
   config.workers_n = workers_n;
+  config.insecure = true;
   return config;
 }
 
 class RunningFront {
  public:
-  RunningFront(const ServerConfig& config, WorkerLauncher& launcher)
-      : stop_fd_(eventfd(0, EFD_CLOEXEC | EFD_SEMAPHORE)), front_(options(config), launcher) {
+  /// \param change what else the front is told
+  RunningFront(const ServerConfig& config, WorkerLauncher& launcher,
+               const std::function<void(FrontOptions&)>& change = {})
+      : stop_fd_(eventfd(0, EFD_CLOEXEC | EFD_SEMAPHORE)),
+        reload_fd_(eventfd(0, EFD_CLOEXEC)),
+        front_(options(config, change), launcher) {
     data_endpoint = front_.data_endpoint();
     control_endpoint = front_.control_endpoint();
     http_url = front_.http_url();
@@ -86,17 +94,28 @@ class RunningFront {
     if (end_.wait_for(std::chrono::milliseconds(0)) != std::future_status::ready) stop();
     thread_.join();
     close(stop_fd_);
+    close(reload_fd_);
   }
   RunningFront(const RunningFront&) = delete;
   RunningFront& operator=(const RunningFront&) = delete;
 
   void wait_ready() { ready_.get_future().wait(); }
   void stop() { eventfd_write(stop_fd_, 1); }
+  void reload() { eventfd_write(reload_fd_, 1); }
   /// Waits for the end of `run`. \returns its exception's text, or nothing.
   std::string wait_end() { return end_.get(); }
   std::vector<std::string> log() {
     const std::lock_guard lock(log_mutex_);
     return log_;
+  }
+  /// Until a line of the log has this in it.
+  void wait_for_log(std::string_view text) {
+    std::unique_lock lock(log_mutex_);
+    logged_.wait(lock, [&] {
+      return std::any_of(log_.begin(), log_.end(), [&](const std::string& line) {
+        return line.find(text) != std::string::npos;
+      });
+    });
   }
 
   std::string data_endpoint;
@@ -104,26 +123,32 @@ class RunningFront {
   std::string http_url;
 
  private:
-  FrontOptions options(const ServerConfig& config) {
+  FrontOptions options(const ServerConfig& config,
+                       const std::function<void(FrontOptions&)>& change) {
     FrontOptions options;
     options.config = config;
-    options.facts = {kScriptedParts, kScriptedServer, {"known"}};
+    options.facts = {kScriptedParts, kScriptedServer};
     options.worker_endpoint = "ipc://" + (directory_.path() / "workers").string();
     options.stop_fd = stop_fd_;
+    options.reload_fd = reload_fd_;
     options.on_ready = [this] { ready_.set_value(); };
     options.log = [this](LogLevel, std::string_view line) {
       const std::lock_guard lock(log_mutex_);
       log_.emplace_back(line);
+      logged_.notify_all();
     };
+    if (change) change(options);
     return options;
   }
 
   PrivateDirectory directory_;
   int stop_fd_;
+  int reload_fd_;
   std::promise<void> ready_;
   std::promise<std::string> ended_;
   std::shared_future<std::string> end_ = ended_.get_future().share();
   std::mutex log_mutex_;
+  std::condition_variable logged_;
   std::vector<std::string> log_;
   Front front_;
   std::thread thread_;

@@ -11,7 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
-SimArm anno_above_the_bin() {
+motion::MountedArm anno_above_the_bin() {
   motion::MotionParameters parameters;
   const graspd::Gripper& gripper = parameters.gripper;
   const double length_m = gripper.jaw_size_m.z() + gripper.palm_size_m.z();
@@ -39,7 +39,7 @@ class SimCellPortsTest : public ::testing::Test {
   }
 
   const std::vector<parts::Mesh> kinds{testing::box_mesh({0.03, 0.05, 0.04})};
-  const SimArm arm = anno_above_the_bin();
+  const motion::MountedArm arm = anno_above_the_bin();
   const std::unique_ptr<SimCell> cell = SimCell::create(kinds, one_box(), options(), arm).value();
 };
 

@@ -217,7 +217,7 @@ INSTANTIATE_TEST_SUITE_P(GrsNumber, CorruptedAnswer,
                          kRowName);
 INSTANTIATE_TEST_SUITE_P(GraspNumber, CorruptedAnswer,
                          ::testing::ValuesIn(rows_of_one_number(
-                             kGrasp, {"opening_width_m", "standoff_m", "retreat_m", "score"})),
+                             kGrasp, {"opening_width_m", "standoff_m", "retreat_m", "room_m", "score"})),
                          kRowName);
 
 INSTANTIATE_TEST_SUITE_P(

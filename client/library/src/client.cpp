@@ -39,7 +39,7 @@ RequestId new_request_id() {
 Client::Client(const std::vector<std::string>& endpoints, ClientOptions options)
     : endpoints_(endpoints),
       options_(std::move(options)),
-      loop_(std::make_unique<Loop>(endpoints_, options_.dispatch)) {}
+      loop_(std::make_unique<Loop>(endpoints_, options_.keys, options_.dispatch)) {}
 
 Client::~Client() = default;
 

@@ -48,19 +48,30 @@ void Dispatcher::add(const RequestId& id, TimePoint now, TimePoint deadline,
 void Dispatcher::connected(std::size_t server) {
   servers_[server].connected = true;
   servers_[server].silences_n = 0;
+  servers_[server].refusal.reset();
 }
 
 void Dispatcher::disconnected(std::size_t server, TimePoint now) {
+  lose(server,
+       {Code::kUnavailable,
+        fmt::format("the connection to {} was lost before it answered; is grasp_server "
+                    "still running there?",
+                    servers_[server].endpoint)},
+       now);
+}
+
+void Dispatcher::refused(std::size_t server, const Error& why, TimePoint now) {
+  servers_[server].refusal = why;
+  lose(server, why, now);
+}
+
+void Dispatcher::lose(std::size_t server, const Error& why, TimePoint now) {
   servers_[server].connected = false;
   for (Call& call : calls_) {
     if (call.server != server) continue;
     land(call);
     call.connect_until = now + options_.connect_timeout;
-    retry_later(call, now,
-                {Code::kUnavailable,
-                 fmt::format("the connection to {} was lost before it answered; is grasp_server "
-                             "still running there?",
-                             servers_[server].endpoint)});
+    retry_later(call, now, why);
   }
 }
 
@@ -164,7 +175,7 @@ std::optional<Error> Dispatcher::verdict(Call& call, TimePoint now) {
     }
   }
   if (!any_connected(call)) {
-    if (now < call.connect_until) return std::nullopt;
+    if (now < call.connect_until && !all_refuse(call)) return std::nullopt;
     return call.last_error.value_or(unavailable(call));
   }
   // Everybody asked to be left alone for longer than there is time.
@@ -242,7 +253,21 @@ TimePoint Dispatcher::wake_of(const Call& call, TimePoint now) const {
   return std::min(call.deadline, std::max({now, held, call.not_before}));
 }
 
+/// Waiting for a connection is of no use.
+bool Dispatcher::all_refuse(const Call& call) const {
+  for (std::size_t index = 0; index < servers_.size(); ++index) {
+    const auto& refusal = servers_[index].refusal;
+    const bool for_good = refusal && refusal->code == Code::kUnauthenticated;
+    if (may_use(call, index) && !for_good) return false;
+  }
+  return true;
+}
+
+/// Why there is nobody to ask. A refusal says more than silence.
 Error Dispatcher::unavailable(const Call& call) const {
+  for (std::size_t index = 0; index < servers_.size(); ++index) {
+    if (may_use(call, index) && servers_[index].refusal) return *servers_[index].refusal;
+  }
   std::string endpoints;
   for (std::size_t index = 0; index < servers_.size(); ++index) {
     if (!may_use(call, index)) continue;

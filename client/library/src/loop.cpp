@@ -18,11 +18,13 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLongestSleep{1000};
 
-std::vector<ServerLink> connect(zmq::context_t& context,
-                                const std::vector<std::string>& endpoints) {
+std::vector<ServerLink> connect(zmq::context_t& context, const std::vector<std::string>& endpoints,
+                                const std::optional<keys::ClientKeys>& keys) {
   std::vector<ServerLink> links;
   links.reserve(endpoints.size());
-  for (const std::string& endpoint : endpoints) links.emplace_back(context, endpoint, links.size());
+  for (const std::string& endpoint : endpoints) {
+    links.emplace_back(context, endpoint, links.size(), keys ? &*keys : nullptr);
+  }
   return links;
 }
 
@@ -39,8 +41,10 @@ std::thread thread_without_signals(std::function<void()> body) {
 
 }  // namespace
 
-Client::Loop::Loop(const std::vector<std::string>& endpoints, const DispatchOptions& options)
-    : links_(connect(context_, endpoints)),
+Client::Loop::Loop(const std::vector<std::string>& endpoints, std::optional<keys::ClientKeys> keys,
+                   const DispatchOptions& options)
+    : keys_(std::move(keys)),
+      links_(connect(context_, endpoints, keys_)),
       dispatcher_(endpoints, options, std::random_device{}()),
       wake_(Clock::now()),
       wake_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
@@ -71,12 +75,14 @@ void Client::Loop::run() {
     for (std::size_t server = 0; server < links_.size(); ++server) read_server(server);
     send_due();
     std::vector<zmq::pollitem_t> items{{nullptr, wake_fd_, ZMQ_POLLIN, 0}};
+    const TimePoint now = Clock::now();
+    TimePoint until = std::min(wake_, now + kLongestSleep);
     for (ServerLink& link : links_) {
+      link.renew_if_due(now);
       items.push_back(link.socket_item());
       items.push_back(link.monitor_item());
+      if (const auto renewal = link.renewal()) until = std::min(until, *renewal);
     }
-    const TimePoint now = Clock::now();
-    const TimePoint until = std::min(wake_, now + kLongestSleep);
     zmq::poll(items, std::max(milliseconds(0), std::chrono::ceil<milliseconds>(until - now)));
   }
   while (!calls_.empty()) {
@@ -104,25 +110,41 @@ bool Client::Loop::take_posted() {
 
 void Client::Loop::read_server(std::size_t server) {
   // Answers first: what a server sent before it left is still an answer.
+  read_answers(server);
+  while (auto change = links_[server].next_change()) {
+    switch (change->kind) {
+      case ServerLink::Change::Kind::kConnected:
+        dispatcher_.connected(server);
+        break;
+      case ServerLink::Change::Kind::kDisconnected:
+        dispatcher_.disconnected(server, Clock::now());
+        break;
+      case ServerLink::Change::Kind::kRefused:
+        refused(server, change->why);
+        break;
+    }
+  }
+}
+
+void Client::Loop::refused(std::size_t server, const Error& why) {
+  const TimePoint now = Clock::now();
+  dispatcher_.refused(server, why, now);
+  links_[server].renew_later(now);
+}
+
+void Client::Loop::read_answers(std::size_t server) {
   while (const auto envelope = links_[server].receive()) {
     const codec::Bytes bytes(static_cast<const std::byte*>(envelope->data()), envelope->size());
     Result<Answer> answer = codec::decode_answer(bytes);
     if (!answer) continue;  // not graspd.v1: nobody's answer, and its call will time out
     const RequestId id = answer->id;
+    if (answer->code == Code::kUnauthenticated && id == RequestId{}) {
+      // Our key was taken out of the list while we were connected: nothing that we say is read.
+      refused(server, {answer->code, std::move(answer->message)});
+      continue;
+    }
     if (auto result = dispatcher_.answered(server, std::move(*answer), Clock::now())) {
       end(id, std::move(*result));
-    }
-  }
-  while (true) {
-    switch (links_[server].next_change()) {
-      case ServerLink::Change::kNone:
-        return;
-      case ServerLink::Change::kConnected:
-        dispatcher_.connected(server);
-        break;
-      case ServerLink::Change::kDisconnected:
-        dispatcher_.disconnected(server, Clock::now());
-        break;
     }
   }
 }

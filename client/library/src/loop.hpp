@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -27,7 +28,8 @@ class Client::Loop {
     Done done;  ///< called once, on the loop's thread
   };
 
-  Loop(const std::vector<std::string>& endpoints, const DispatchOptions& options);
+  Loop(const std::vector<std::string>& endpoints, std::optional<keys::ClientKeys> keys,
+       const DispatchOptions& options);
   ~Loop();
   void post(Call call);
 
@@ -35,10 +37,13 @@ class Client::Loop {
   void run();
   bool take_posted();
   void read_server(std::size_t server);
+  void read_answers(std::size_t server);
+  void refused(std::size_t server, const Error& why);
   void send_due();
   void end(const RequestId& id, Result<Answer> result);
 
   zmq::context_t context_;
+  std::optional<keys::ClientKeys> keys_;
   std::vector<ServerLink> links_;
   Dispatcher dispatcher_;
   std::map<RequestId, Call> calls_;

@@ -136,6 +136,7 @@ Grasp read(const v1::Grasp& in, const Field& at) {
   grasp.opening_width_m = at("opening_width_m").number(in.opening_width_m());
   grasp.standoff_m = at("standoff_m").number(in.standoff_m());
   grasp.retreat_m = at("retreat_m").number(in.retreat_m());
+  grasp.room_m = at("room_m").number(in.room_m());
   grasp.score = at("score").number(in.score());
   grasp.checks = read_list(in.checks(), at("checks"));
   return grasp;

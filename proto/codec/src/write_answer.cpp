@@ -75,6 +75,7 @@ void write(const Grasp& grasp, v1::Grasp& out) {
   out.set_opening_width_m(grasp.opening_width_m);
   out.set_standoff_m(grasp.standoff_m);
   out.set_retreat_m(grasp.retreat_m);
+  out.set_room_m(grasp.room_m);
   out.set_score(grasp.score);
   write_list(grasp.checks, *out.mutable_checks());
 }

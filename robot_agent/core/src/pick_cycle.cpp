@@ -26,7 +26,8 @@ PickCycle::PickCycle(Ports ports, Task task, Observer& observer)
     : ports_(ports),
       task_(std::move(task)),
       observer_(observer),
-      memory_(task_.failed_spot_radius_m) {
+      memory_(task_.failed_spot_radius_m),
+      drift_alarm_(task_.drift) {
   if (task_.reactions.any(Reaction::kAsk) && !ports_.cell_operator) {
     throw std::invalid_argument("pick cycle: a reaction is to ask, but there is no operator");
   }

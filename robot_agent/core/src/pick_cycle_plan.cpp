@@ -54,6 +54,7 @@ Event PickCycle::answered(bool last_plan_was_sent) {
   record_->objects_n = answer_.objects.size();
   record_->grasps_n = answer_.grasps.size();
   record_->server_timings = answer_.timings;
+  if (auto alarm = drift_alarm_.see(answer_)) record_->alarm = *std::move(alarm);
   surroundings_ = surveyor_.survey(frame_, task_.request);
   ports_.arm.set_surroundings(surroundings_);
   if (choose_grasp()) return Event::kGrasp;

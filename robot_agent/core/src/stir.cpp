@@ -38,6 +38,15 @@ std::optional<Eigen::Vector3d> top_of_pile(const Surroundings& surroundings) {
   return top_m;
 }
 
+/// How far the gripper reaches from the grasp frame with its jaws closed, along the bin's x: what
+/// of it is below the rim, whose height is given above the tips.
+Eigen::Vector2d reach_m(const graspd::Gripper& gripper, double rim_m) {
+  Eigen::Vector2d reach_m(gripper.jaw_size_m.x(), gripper.jaw_size_m.y() / 2);
+  const bool is_palm_below_rim = gripper.jaw_size_m.z() < rim_m + kClearance_m;
+  if (is_palm_below_rim) reach_m = reach_m.cwiseMax(gripper.palm_size_m.head<2>() / 2);
+  return reach_m;
+}
+
 Stroke stroke_between(const Eigen::Isometry3d& T_base_bin, const Eigen::Vector3d& from_m,
                       const Eigen::Vector3d& to_m, double retreat_m, double speed_share) {
   const auto pose = [&](const Eigen::Vector3d& p_bin_m) {
@@ -60,13 +69,11 @@ std::vector<Stroke> strokes(const Surroundings& surroundings, const graspd::Grip
   if (!surroundings.bin) return {};
   const auto top_m = top_of_pile(surroundings);
   if (!top_m) return {};
-  // With the jaws along the bin's x, palm and closed jaws reach this far from the grasp frame.
-  const Eigen::Vector2d reach_m(std::max(gripper.palm_size_m.x() / 2, gripper.jaw_size_m.x()),
-                                std::max(gripper.palm_size_m.y(), gripper.jaw_size_m.y()) / 2);
-  const Eigen::Vector2d room_m = surroundings.bin->inner_size_m.head<2>() / 2 - reach_m -
+  const double z_m = std::max(top_m->z() - options.depth_m, kClearance_m);
+  const Eigen::Vector2d room_m = surroundings.bin->inner_size_m.head<2>() / 2 -
+                                 reach_m(gripper, surroundings.bin->inner_size_m.z() - z_m) -
                                  Eigen::Vector2d::Constant(kClearance_m);
   if (room_m.minCoeff() < 0) return {};
-  const double z_m = std::max(top_m->z() - options.depth_m, kClearance_m);
 
   std::vector<Stroke> strokes;
   for (const int axis : {0, 1}) {

@@ -80,11 +80,15 @@ struct MotionPlanner::Impl {
     return all_rad;
   }
 
-  /// The quick answer for what is out of reach, before anything else is computed.
-  Result<void> check_reach(std::span<const Motion> motions, const agent::Joints& from_rad) {
+  Result<void> check_start(const agent::Joints& from_rad) const {
     if (const auto beyond = beyond_limits(from_rad, arm.limits())) {
       return invalid("the arm stands beyond its limits: {}: move it back by hand", *beyond);
     }
+    return {};
+  }
+
+  /// The quick answer for what is out of reach, before anything else is computed.
+  Result<void> check_reach(std::span<const Motion> motions, const agent::Joints& from_rad) {
     for (const Motion& motion : motions) {
       std::string why;
       const auto can_reach = [&](const Eigen::Isometry3d& T_base_grasp) {
@@ -156,6 +160,7 @@ struct MotionPlanner::Impl {
 
   Result<std::vector<agent::JointTrajectory>> plan(std::span<const Motion> motions,
                                                    agent::Joints at_rad) {
+    if (const auto ok = check_start(at_rad); !ok) return tl::unexpected(ok.error());
     if (const auto ok = check_reach(motions, at_rad); !ok) return tl::unexpected(ok.error());
     std::vector<agent::JointTrajectory> trajectories;
     for (std::size_t begin = 0; begin < motions.size();) {
@@ -219,6 +224,7 @@ Result<std::vector<agent::JointTrajectory>> MotionPlanner::plan(std::span<const 
 
 Result<agent::JointTrajectory> MotionPlanner::plan_to(const agent::Joints& to_rad,
                                                       const agent::Joints& from_rad) {
+  if (const auto ok = impl_->check_start(from_rad); !ok) return tl::unexpected(ok.error());
   const Posture posture{impl_->parameters.gripper.max_opening_m};
   auto path = free_path(impl_->tools(), from_rad, to_rad, posture);
   if (!path) path = searched_path(impl_->tools(), from_rad, to_rad, posture);

@@ -17,19 +17,18 @@ bool same(const agent::Motion& a, const agent::Motion& b) {
 }  // namespace
 
 Result<std::unique_ptr<PlannedArm>> PlannedArm::create(agent::JointDriver& driver,
-                                                       const ArmModel& arm,
-                                                       const MotionParameters& parameters,
-                                                       const agent::Joints& out_of_view_rad) {
-  if (out_of_view_rad.size() != arm.joints_n()) {
-    return invalid("out of view: {} joints for the arm '{}', which has {}", out_of_view_rad.size(),
-                   arm.name(), arm.joints_n());
+                                                       const MountedArm& arm) {
+  if (arm.out_of_view_rad.size() != arm.model.joints_n()) {
+    return invalid("out of view: {} joints for the arm '{}', which has {}",
+                   arm.out_of_view_rad.size(), arm.model.name(), arm.model.joints_n());
   }
-  if (const auto beyond = beyond_limits(out_of_view_rad, arm.limits())) {
+  if (const auto beyond = beyond_limits(arm.out_of_view_rad, arm.model.limits())) {
     return invalid("out of view: {}", *beyond);
   }
-  auto planner = MotionPlanner::create(arm, parameters);
+  auto planner = MotionPlanner::create(arm.model, arm.parameters);
   if (!planner) return tl::unexpected(planner.error());
-  return std::unique_ptr<PlannedArm>(new PlannedArm(driver, *std::move(planner), out_of_view_rad));
+  return std::unique_ptr<PlannedArm>(
+      new PlannedArm(driver, *std::move(planner), arm.out_of_view_rad));
 }
 
 PlannedArm::PlannedArm(agent::JointDriver& driver, MotionPlanner planner,

@@ -11,6 +11,8 @@ namespace {
 
 /// Of a suction cup: its lip gives way, so that it may be a little in the part that it sits on.
 constexpr double kLip_m = 0.003;
+/// A pose is seldom off by more than the widest.
+constexpr double kRooms_m[] = {0.006, 0.004, 0.002};
 
 std::vector<OrientedBox> walls_of(const Bin& bin) {
   const Eigen::Vector3d& inner_m = bin.inner_size_m;
@@ -117,6 +119,18 @@ void CollisionScene::check_all(const Eigen::Isometry3d& T_floor_grasp, double op
   of(verdicts, Check::kHeldPart) = held_part_;
 }
 
+double CollisionScene::room_m(const Eigen::Isometry3d& T_floor_grasp, double opening_m) const {
+  for (const double room_m : kRooms_m) {
+    const SweptGripper wider(gripper_, opening_m, room_m);
+    if (!gripper_bin(T_floor_grasp, wider).failed() &&
+        !part_in_the_way(T_floor_grasp, wider, /*but_target=*/true).failed() &&
+        !gripper_cloud(T_floor_grasp, wider).failed()) {
+      return room_m;
+    }
+  }
+  return 0;
+}
+
 Verdict CollisionScene::gripper_cloud(const Eigen::Isometry3d& T_floor_grasp,
                                       const SweptGripper& swept) const {
   if (!free_space_) return {};
@@ -130,10 +144,16 @@ Verdict CollisionScene::gripper_cloud(const Eigen::Isometry3d& T_floor_grasp,
 
 Verdict CollisionScene::gripper_parts(const Eigen::Isometry3d& T_floor_grasp,
                                       const SweptGripper& swept) const {
+  return part_in_the_way(T_floor_grasp, swept, /*but_target=*/false);
+}
+
+Verdict CollisionScene::part_in_the_way(const Eigen::Isometry3d& T_floor_grasp,
+                                        const SweptGripper& swept, bool but_target) const {
   if (!is_on(Check::kGripperParts)) return {};
   const Eigen::Isometry3d T_grasp_floor = T_floor_grasp.inverse();
   for (const GripperBox& box : swept.boxes()) {
     for (std::uint32_t i = 0; i < parts_.size(); ++i) {
+      if (but_target && i == target_) continue;
       const parts::Part& part = *parts_[i].part;
       // From the part that it grasps, the clearance keeps it away.
       const double margin_m = i == target_ ? 0 : parameters_.margin_m;
@@ -159,13 +179,16 @@ Verdict CollisionScene::gripper_parts(const Eigen::Isometry3d& T_floor_grasp,
 Verdict CollisionScene::gripper_bin(const Eigen::Isometry3d& T_floor_grasp,
                                     const SweptGripper& swept) const {
   if (!bin_ || !is_on(Check::kGripperBin)) return {};
-  for (const GripperBox& box : swept.boxes()) {
+  const auto crosses = [&](const GripperBox& box) {
     const OrientedBox in_floor(T_floor_grasp, box.box_m);
-    if (lowest_m(in_floor) < 0) return failed(box);
-    for (const OrientedBox& wall : walls_) {
-      if (overlap(in_floor, wall)) return failed(box);
-    }
+    return lowest_m(in_floor) < 0 ||
+           std::ranges::any_of(walls_, [&](const auto& wall) { return overlap(in_floor, wall); });
+  };
+  for (const GripperBox& box : swept.boxes()) {
+    if (crosses(box)) return failed(box);
   }
+  // A wall between the open jaws would be gripped with the part.
+  if (swept.closing() && crosses(*swept.closing())) return failed(*swept.closing());
   return passed();
 }
 

@@ -92,7 +92,7 @@ PlannedGrasp explained(Trial trial, std::span<const std::uint32_t> ids, const Gr
   const GraspCandidate& candidate = *trial.candidate;
   scene.check_all(candidate.T_floor_grasp, trial.opening_m, trial.verdicts);
   PlannedGrasp grasp{
-      std::string(candidate.pick_point), candidate.T_floor_grasp, trial.opening_m, {}};
+      std::string(candidate.pick_point), candidate.T_floor_grasp, trial.opening_m, 0, {}};
   for (const auto& [check, name] : EnumNames<Check>::values) {
     const Verdict& verdict = of(trial.verdicts, check);
     grasp.checks.push_back({check, verdict.state,
@@ -159,6 +159,8 @@ PartGrasps plan_grasps_of(std::size_t target, std::span<const PlacedPart> parts,
       continue;
     }
     grasps.free.push_back(explained(trial, ids, gripper, parameters, scene));
+    grasps.free.back().room_m =
+        scene.room_m(candidates[i].T_floor_grasp, grasps.free.back().opening_width_m);
     if (grasps.free.size() == static_cast<std::size_t>(parameters.grasps_per_part_n)) break;
   }
   if (grasps.free.empty() && explain_rejected) {

@@ -19,6 +19,7 @@ Grasp grasp_of(const Object& object, const PlannedGrasp& planned,
   grasp.pick_point = planned.pick_point;
   grasp.T_base_grasp = T_base_floor * planned.T_floor_grasp;
   grasp.opening_width_m = planned.opening_width_m;
+  grasp.room_m = planned.room_m;
   grasp.standoff_m = gripper.standoff_m;
   grasp.retreat_m = gripper.retreat_m;
   grasp.checks = planned.checks;

@@ -2,8 +2,8 @@
 
 namespace graspd::perception {
 
-SweptGripper::SweptGripper(const Gripper& gripper, double opening_m)
-    : standoff_m_(gripper.standoff_m) {
+SweptGripper::SweptGripper(const Gripper& gripper, double opening_m, double room_m)
+    : standoff_m_(gripper.standoff_m), room_m_(room_m) {
   const Eigen::Vector3d& jaw_m = gripper.jaw_size_m;
   const Eigen::Vector3d& palm_m = gripper.palm_size_m;
   // The palm comes first: it is the largest, and does not depend on the opening.
@@ -18,12 +18,14 @@ SweptGripper::SweptGripper(const Gripper& gripper, double opening_m)
   const double outer_m = inner_m + jaw_m.x();
   add("jaw", {-outer_m, -jaw_m.y() / 2, -jaw_m.z()}, {-inner_m, jaw_m.y() / 2, 0}, true);
   add("jaw", {inner_m, -jaw_m.y() / 2, -jaw_m.z()}, {outer_m, jaw_m.y() / 2, 0}, true);
+  closing_ = GripperBox{"jaw", boxes_[1].box_m.merged(boxes_[2].box_m), true};
 }
 
 void SweptGripper::add(std::string_view name, const Eigen::Vector3d& min_m,
                        const Eigen::Vector3d& max_m, bool moves_with_opening) {
-  const Eigen::Vector3d from_m = min_m - Eigen::Vector3d(0, 0, standoff_m_);
-  boxes_[boxes_n_++] = {name, {from_m, max_m}, moves_with_opening};
+  const Eigen::Vector3d from_m = min_m - Eigen::Vector3d(room_m_, room_m_, standoff_m_);
+  const Eigen::Vector3d to_m = max_m + Eigen::Vector3d(room_m_, room_m_, 0);
+  boxes_[boxes_n_++] = {name, {from_m, to_m}, moves_with_opening};
 }
 
 bool overlap(const OrientedBox& a, const OrientedBox& b) {

@@ -72,6 +72,7 @@ struct Ranked {
   const Object* object = nullptr;
   std::uint32_t failures_n = 0, object_failures_n = 0;
   int layer = 0;
+  double room_m = 0;
   double priority = 0;
   std::optional<double> preference;
   std::size_t turn = 0;  ///< 0 for the best grasp of its object, 1 for its next …
@@ -79,7 +80,8 @@ struct Ranked {
 
 std::vector<Ranked> with_objects(const PlanRequest& request, const GrsParameters& parameters,
                                  const std::vector<Object>& objects, std::vector<Grasp>& grasps) {
-  const bool in_layers =
+  // Otherwise the order is the paper's.
+  const bool is_ours =
       parameters.p_system == PSystem::kSupport && parameters.order == GraspOrder::kDescending;
   Layers layers(objects);
   std::vector<Ranked> ranked;
@@ -88,8 +90,9 @@ std::vector<Ranked> with_objects(const PlanRequest& request, const GrsParameters
     const auto preferred = preference(grasp, *object, request.options);
     grasp.score = preferred.value_or(object->grs.grs);
     const std::uint32_t failures_n = failures_at(grasp, request.failed_spots);
-    const int layer = in_layers ? layers.of(*object) : 0;
-    ranked.push_back({std::move(grasp), &*object, failures_n, 0, layer,
+    const int layer = is_ours ? layers.of(*object) : 0;
+    const double room_m = is_ours && !preferred ? grasp.room_m : 0;
+    ranked.push_back({std::move(grasp), &*object, failures_n, 0, layer, room_m,
                       priority_of(*object, request), preferred});
   }
   return ranked;
@@ -100,6 +103,7 @@ void take_turns(std::vector<Ranked>& ranked) {
   std::ranges::stable_sort(ranked, [](const Ranked& a, const Ranked& b) {
     if (a.object != b.object) return a.object->id < b.object->id;
     if (a.failures_n != b.failures_n) return a.failures_n < b.failures_n;
+    if (a.room_m != b.room_m) return a.room_m > b.room_m;
     return a.preference > b.preference;
   });
   for (auto first = ranked.begin(); first != ranked.end();) {
@@ -129,6 +133,7 @@ void rank_grasps(const PlanRequest& request, const Parameters& parameters,
     if (a.layer != b.layer) return a.layer < b.layer;
     if (a.priority != b.priority) return a.priority > b.priority;
     if (a.turn != b.turn) return a.turn < b.turn;
+    if (a.room_m != b.room_m) return a.room_m > b.room_m;
     if (a.preference != b.preference) return a.preference > b.preference;
     return ranks_before(a.object->grs, b.object->grs, parameters.grs);
   });

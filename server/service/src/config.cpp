@@ -10,15 +10,34 @@ namespace graspd::service {
 namespace {
 
 Result<void> validate_endpoint(std::string_view key, const std::string& text, bool insecure) {
-  const Result<TcpEndpoint> endpoint = parse_endpoint(text);
+  const Result<Endpoint> endpoint = parse_endpoint(text);
   if (!endpoint) return invalid("{}: {}", key, endpoint.error().message);
-  if (!endpoint->is_loopback() && !insecure) {
+  if (insecure && !endpoint->is_local()) {
     return invalid(
-        "{}: {} can be reached from other machines, and this server does not authenticate its "
-        "clients; listen on 127.0.0.1, or say 'insecure: true' where the network is trusted",
+        "{}: {} can be reached from other machines, and 'insecure: true' lets everybody in; listen "
+        "on 127.0.0.1, or take 'insecure' out and say key_file and allowed_cells",
         key, text);
   }
   return {};
+}
+
+Result<void> validate_keys(const ServerConfig& config) {
+  const bool any = !config.key_file.empty() || !config.allowed_cells.empty();
+  const bool both = !config.key_file.empty() && !config.allowed_cells.empty();
+  if (config.insecure && any) {
+    return invalid(
+        "insecure: true lets everybody in, and {} is there to let in cells with a key; say one of "
+        "the two",
+        config.key_file.empty() ? "allowed_cells" : "key_file");
+  }
+  if (config.insecure || both) return {};
+  return invalid(
+      "{}: this server lets in nobody without a key; make its own with 'grasp keys new server' and "
+      "say it as key_file (--key), make the list of cells with 'grasp keys allow' and say it as "
+      "allowed_cells (--allowed-cells); or say 'insecure: true' (--insecure) on a machine that you "
+      "share with nobody",
+      any ? (config.key_file.empty() ? "key_file is missing" : "allowed_cells is missing")
+          : "key_file and allowed_cells are missing");
 }
 
 Result<void> validate_range(std::string_view key, std::uint32_t value, std::uint32_t low,
@@ -31,9 +50,12 @@ Result<void> validate_range(std::string_view key, std::uint32_t value, std::uint
 /// Metrics and health are nothing secret, but nobody's business either unless somebody says so.
 Result<void> validate_http(const ServerConfig& config) {
   if (config.http_endpoint.empty()) return {};
-  const Result<TcpEndpoint> endpoint = parse_endpoint(config.http_endpoint);
+  const Result<Endpoint> endpoint = parse_endpoint(config.http_endpoint);
   if (!endpoint) return invalid("http: endpoint: {}", endpoint.error().message);
-  if (!endpoint->is_loopback() && !config.http_expose) {
+  if (!endpoint->path.empty()) {
+    return invalid("http: endpoint: {}: HTTP needs tcp://HOST:PORT", config.http_endpoint);
+  }
+  if (!endpoint->is_local() && !config.http_expose) {
     return invalid(
         "http: endpoint: {} can be reached from other machines; listen on 127.0.0.1, or say "
         "'expose: true' beside it where everybody may read the metrics",
@@ -66,6 +88,8 @@ Result<ServerConfig> read_config(const std::filesystem::path& path) {
   root.optional("data_endpoint", config.data_endpoint);
   root.optional("control_endpoint", config.control_endpoint);
   root.optional("insecure", config.insecure);
+  optional_path(root, "key_file", path, config.key_file);
+  optional_path(root, "allowed_cells", path, config.allowed_cells);
   optional_path(root, "parts", path, config.parts);
   root.optional("workers_n", config.workers_n);
   root.optional("worker_threads_n", config.worker_threads_n);
@@ -88,6 +112,7 @@ Result<void> validate(const ServerConfig& config) {
   for (const auto& [key, endpoint] : endpoints) {
     if (auto ok = validate_endpoint(key, *endpoint, config.insecure); !ok) return ok;
   }
+  if (auto ok = validate_keys(config); !ok) return ok;
   if (auto ok = validate_http(config); !ok) return ok;
   if (auto ok = validate_range("workers_n", config.workers_n, 0, 256); !ok) return ok;
   if (auto ok = validate_range("worker_threads_n", config.worker_threads_n, 0, 256); !ok) return ok;
@@ -103,15 +128,16 @@ Result<void> validate(const ServerConfig& config) {
 
 std::string to_yaml(const ServerConfig& config) {
   return fmt::format(
-      "data_endpoint: {}\ncontrol_endpoint: {}\ninsecure: {}\nparts: {}\nworkers_n: {}\n"
+      "data_endpoint: {}\ncontrol_endpoint: {}\ninsecure: {}\nkey_file: {}\nallowed_cells: {}\n"
+      "parts: {}\nworkers_n: {}\n"
       "worker_threads_n: {}\nworker_memory_limit_mib: {}\nworker_time_limit_ms: {}\n"
       "drain_limit_ms: {}\nlog_level: {}\nrecord_failed: {}\nhttp:\n  endpoint: {}\n  expose: {}\n"
       "perception:\n{}",
       quoted(config.data_endpoint), quoted(config.control_endpoint), config.insecure,
-      quoted(config.parts), config.workers_n, config.worker_threads_n,
-      config.worker_memory_limit_mib, config.worker_time_limit_ms, config.drain_limit_ms,
-      name_of(config.log_level), quoted(config.record_failed), quoted(config.http_endpoint),
-      config.http_expose, parameters_to_yaml(config.perception, 2));
+      quoted(config.key_file), quoted(config.allowed_cells), quoted(config.parts), config.workers_n,
+      config.worker_threads_n, config.worker_memory_limit_mib, config.worker_time_limit_ms,
+      config.drain_limit_ms, name_of(config.log_level), quoted(config.record_failed),
+      quoted(config.http_endpoint), config.http_expose, parameters_to_yaml(config.perception, 2));
 }
 
 std::string config_hash(const perception::Parameters& parameters) {

@@ -14,19 +14,28 @@ bool is_port(std::string_view text) {
 
 }  // namespace
 
-bool TcpEndpoint::is_loopback() const {
-  return host == "localhost" || host == "[::1]" || host.starts_with("127.");
+bool Endpoint::is_local() const {
+  if (!path.empty() || host == "localhost" || host == "[::1]") return true;
+  // A number, not a name that looks like one.
+  return host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos;
 }
 
-Result<TcpEndpoint> parse_endpoint(std::string_view text) {
-  constexpr std::string_view kScheme = "tcp://";
-  const std::size_t colon = text.rfind(':');
-  if (text.starts_with(kScheme) && colon != std::string_view::npos && colon > kScheme.size()) {
-    const std::string_view host = text.substr(kScheme.size(), colon - kScheme.size());
-    const std::string_view port = text.substr(colon + 1);
-    if (is_port(port)) return TcpEndpoint{std::string(host), std::string(port)};
+Result<Endpoint> parse_endpoint(std::string_view text) {
+  constexpr std::string_view kTcp = "tcp://";
+  constexpr std::string_view kIpc = "ipc://";
+  if (text.starts_with(kIpc) && text.size() > kIpc.size()) {
+    return Endpoint{"", "", std::string(text.substr(kIpc.size()))};
   }
-  return invalid("'{}' is no endpoint; it reads tcp://HOST:PORT, as in tcp://127.0.0.1:5555", text);
+  const std::size_t colon = text.rfind(':');
+  if (text.starts_with(kTcp) && colon != std::string_view::npos && colon > kTcp.size()) {
+    const std::string_view host = text.substr(kTcp.size(), colon - kTcp.size());
+    const std::string_view port = text.substr(colon + 1);
+    if (is_port(port)) return Endpoint{std::string(host), std::string(port), ""};
+  }
+  return invalid(
+      "'{}' is no endpoint; it reads tcp://HOST:PORT, as in tcp://127.0.0.1:5555, or ipc://PATH "
+      "for this machine alone",
+      text);
 }
 
 }  // namespace graspd::service

@@ -1,10 +1,13 @@
 #include "graspd/service/front.hpp"
 
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <map>
 #include <random>
+#include <system_error>
 
 #include "front_impl.hpp"
 #include "sockets.hpp"
@@ -18,6 +21,12 @@ using std::chrono::milliseconds;
 constexpr int kMessagesPerTurn = 64;
 constexpr milliseconds kLongestSleep{1000};
 constexpr milliseconds kWorkersGoodbye{2000};
+
+std::unique_ptr<Authenticator> make_authenticator(
+    zmq::context_t& context, const std::optional<Authentication>& authentication) {
+  if (!authentication) return nullptr;
+  return std::make_unique<Authenticator>(context, authentication->server, authentication->allowed);
+}
 
 std::size_t pool_size(const ServerConfig& config) {
   return std::max<std::size_t>(1, config.workers_n);  // 0: one thread of this process
@@ -33,25 +42,38 @@ SupervisorLimits limits_of(const ServerConfig& config) {
 
 Front::Impl::Impl(FrontOptions options, WorkerLauncher& launcher)
     : options_(std::move(options)),
-      part_ids_(options_.facts.part_ids.begin(), options_.facts.part_ids.end()),
-      data_(bind_data(context_, options_.config.data_endpoint)),
-      control_(bind_control(context_, options_.config.control_endpoint)),
+      authenticator_(make_authenticator(context_, options_.authentication)),
+      authenticates_(!authenticator_),
+      data_lock_(options_.config.data_endpoint),
+      control_lock_(options_.config.control_endpoint),
+      data_(bind_data(context_, options_.config.data_endpoint, authenticator_.get())),
+      control_(bind_control(context_, options_.config.control_endpoint, authenticator_.get())),
       workers_(bind_workers(context_, options_.worker_endpoint)),
       admission_(pool_size(options_.config), std::random_device{}()),
-      supervisor_(pool_size(options_.config), options_.worker_endpoint, launcher,
-                  limits_of(options_.config)),
+      crew_(make_crew(options_.facts, launcher)),
+      loaded_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       started_(Clock::now()),
-      metrics_(options_.facts.server, options_.facts.part_ids, options_.facts.cells),
+      metrics_(options_.facts.server, options_.facts.part_ids),
       status_(started_),
       recorder_(options_.config.record_failed) {
+  if (loaded_fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  if (options_.authentication) know_cells(options_.authentication->allowed);
   const std::string& http_endpoint = options_.config.http_endpoint;
   if (!http_endpoint.empty()) http_.emplace(http_endpoint, http_pages());
 }
 
+Front::Impl::~Impl() {
+  if (loading_.valid()) loading_.wait();  // it writes to the descriptor at its end
+  close(loaded_fd_);
+}
+
 void Front::Impl::run() {
+  test_authentication();
   while (!finished()) {
     wait();
     read_stop();
+    read_reload();
+    tend_authentication();
     read_control();
     read_workers();
     read_data();
@@ -79,15 +101,28 @@ bool Front::Impl::finished() {
                      [](const auto& job) { return job.second.answered; });
 }
 
+std::unique_ptr<Front::Impl::Crew> Front::Impl::make_crew(ServerFacts facts,
+                                                          WorkerLauncher& launcher) {
+  std::set<std::string> part_ids(facts.part_ids.begin(), facts.part_ids.end());
+  Supervisor workers(pool_size(options_.config), options_.worker_endpoint, launcher,
+                     limits_of(options_.config), fmt::format("worker-{}", ++crews_n_));
+  return std::make_unique<Crew>(
+      Crew{std::move(facts), std::move(part_ids), nullptr, std::move(workers)});
+}
+
 void Front::Impl::wait() {
   std::vector<zmq::pollitem_t> items{{data_.handle(), 0, ZMQ_POLLIN, 0},
                                      {control_.handle(), 0, ZMQ_POLLIN, 0},
                                      {workers_.handle(), 0, ZMQ_POLLIN, 0}};
-  if (options_.stop_fd >= 0) items.push_back({nullptr, options_.stop_fd, ZMQ_POLLIN, 0});
-  for (const int fd : supervisor_.exit_fds()) items.push_back({nullptr, fd, ZMQ_POLLIN, 0});
-
+  for (const int fd : {options_.stop_fd, options_.reload_fd, loaded_fd_}) {
+    if (fd >= 0) items.push_back({nullptr, fd, ZMQ_POLLIN, 0});
+  }
   const TimePoint now = Clock::now();
-  TimePoint wake = std::min(now + kLongestSleep, supervisor_.next_tend());
+  TimePoint wake = now + kLongestSleep;
+  for (Crew* crew : crews()) {
+    wake = std::min(wake, crew->workers.next_tend());
+    for (const int fd : crew->workers.exit_fds()) items.push_back({nullptr, fd, ZMQ_POLLIN, 0});
+  }
   if (const auto deadline = admission_.earliest_deadline()) wake = std::min(wake, *deadline);
   if (drain_until_) wake = std::min(wake, *drain_until_);
   for (const auto& [ticket, job] : jobs_) {
@@ -98,12 +133,7 @@ void Front::Impl::wait() {
 }
 
 void Front::Impl::read_stop() {
-  if (options_.stop_fd < 0) return;
-  std::vector<zmq::pollitem_t> items{{nullptr, options_.stop_fd, ZMQ_POLLIN, 0}};
-  poll(items, milliseconds(0));
-  if ((items[0].revents & ZMQ_POLLIN) == 0) return;
-  char event[128];  // a signalfd_siginfo, or an eventfd's counter
-  if (read(options_.stop_fd, event, sizeof event) <= 0) return;
+  if (!read_event(options_.stop_fd)) return;
   const bool again = drain_until_.has_value();
   const milliseconds limit(again ? 0 : options_.config.drain_limit_ms);
   drain_until_ = Clock::now() + limit;
@@ -126,7 +156,14 @@ void Front::Impl::read_data() {
 }
 
 void Front::Impl::tend_workers() {
-  const Supervisor::Report report = supervisor_.tend(Clock::now());
+  take_turns();
+  for (Crew* crew : crews()) {
+    if (crew != next_crew_.get()) tend(*crew);
+  }
+}
+
+void Front::Impl::tend(Crew& crew) {
+  const Supervisor::Report report = crew.workers.tend(Clock::now());
   for (const std::string& notice : report.notices) {
     log(LogLevel::kWarning, "{}", notice);
     metrics_.worker_lost();
@@ -147,19 +184,17 @@ void Front::Impl::tend_workers() {
 }
 
 void Front::Impl::say_goodbye() {
-  for (const std::string& identity : supervisor_.identities()) {
-    std::vector<zmq::message_t> frames;
-    frames.push_back(frame_of(identity));
-    frames.push_back(frame_of(verb::kStop));
-    (void)send(workers_, std::move(frames));
-  }
-  // A worker that still computes would not hear it; it is ended with its handle.
-  const bool all_hear = supervisor_.busy_n() == 0;
-  const TimePoint until = Clock::now() + (all_hear ? kWorkersGoodbye : milliseconds(0));
-  for (const int fd : supervisor_.exit_fds()) {
-    std::vector<zmq::pollitem_t> items{{nullptr, fd, ZMQ_POLLIN, 0}};
-    poll(items,
-         std::max(milliseconds(0), std::chrono::duration_cast<milliseconds>(until - Clock::now())));
+  next_crew_.reset();
+  for (Crew* crew : crews()) {
+    for (const std::string& identity : crew->workers.identities()) say_stop(identity);
+    // A worker that still computes would not hear it; it is ended with its handle.
+    const bool all_hear = crew->workers.busy_n() == 0;
+    const TimePoint until = Clock::now() + (all_hear ? kWorkersGoodbye : milliseconds(0));
+    for (const int fd : crew->workers.exit_fds()) {
+      std::vector<zmq::pollitem_t> items{{nullptr, fd, ZMQ_POLLIN, 0}};
+      poll(items, std::max(milliseconds(0),
+                           std::chrono::duration_cast<milliseconds>(until - Clock::now())));
+    }
   }
   // Answers that are still in the sockets get a second to leave.
   data_.set(zmq::sockopt::linger, 1000);

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <future>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -10,6 +12,8 @@
 #include <vector>
 #include <zmq.hpp>
 
+#include "authenticator.hpp"
+#include "endpoint_lock.hpp"
 #include "graspd/service/admission.hpp"
 #include "graspd/service/front.hpp"
 #include "graspd/service/metrics.hpp"
@@ -24,24 +28,32 @@
 
 namespace graspd::service {
 
-/// The loop and its sockets are in front.cpp, what happens to a request in front_requests.cpp, what
-/// is told of it and of the server in front_observe.cpp.
+/// The loop and its sockets are in front.cpp, what happens to a request in front_requests.cpp, who
+/// may come in and reloading in front_reload.cpp, what is told of it all in front_observe.cpp.
 class Front::Impl {
  public:
   Impl(FrontOptions options, WorkerLauncher& launcher);
+  ~Impl();
   void run();
   std::string data_endpoint() const { return data_.get(zmq::sockopt::last_endpoint); }
   std::string control_endpoint() const { return control_.get(zmq::sockopt::last_endpoint); }
   std::string http_url() const { return http_ ? http_->url() : ""; }
 
  private:
+  /// Workers that have loaded the same parts.
+  struct Crew {
+    ServerFacts facts;
+    std::set<std::string> part_ids;
+    std::unique_ptr<WorkerLauncher> launcher;  ///< null: the caller's
+    Supervisor workers;
+  };
   struct Job {
     std::vector<std::string> clients;  ///< routing ids on the data socket, one for each message
     PlanJob plan;
     TimePoint arrived;
     TimePoint started;
     TimePoint deadline;
-    bool running = false;
+    const Crew* crew = nullptr;    ///< that it is computed by; null: it waits
     bool answered = false;         ///< true while running: the deadline came before the result
     zmq::message_t kept_envelope;  ///< shared with the worker's, to be recorded
     zmq::message_t kept_payload;
@@ -61,13 +73,30 @@ class Front::Impl {
   void observe();
   void say_goodbye();
 
+  // Who may come in.
+  void test_authentication();
+  void tend_authentication();
+  void know_cells(const keys::AllowList& allowed);
+
+  // Reloading: crews take turns; the last one finishes what it has.
+  void read_reload();
+  void reload_allowed_cells();
+  void load_parts();
+  void read_loaded();
+  void take_turns();
+  void retire_last_crew();
+  std::unique_ptr<Crew> make_crew(ServerFacts facts, WorkerLauncher& launcher);
+  std::vector<Crew*> crews() const;
+  void tend(Crew& crew);
+  void say_stop(const std::string& identity);
+
   // One message.
   void take(Message message, Door door);
   void admit(const std::string& client, PlanJob plan);
   bool attach(const std::string& client, const PlanJob& plan);
-  void hear(const std::string& identity, Message message);
-  void greet(const std::string& identity, const Message& message);
-  void conclude(const std::string& identity, Message message);
+  void hear(Crew& crew, const std::string& identity, Message message);
+  void greet(Crew& crew, const std::string& identity, const Message& message);
+  void conclude(Crew& crew, const std::string& identity, Message message);
 
   // One job.
   bool start(Job& job, Ticket ticket, const std::string& identity);
@@ -95,13 +124,23 @@ class Front::Impl {
   }
 
   FrontOptions options_;
-  std::set<std::string> part_ids_;
   zmq::context_t context_;
+  std::unique_ptr<Authenticator> authenticator_;  // before the sockets: it listens first
+  bool authenticates_;  ///< has passed its test, and answers; true where there are no keys
+  TimePoint authentication_looked_at_;
+  EndpointLock data_lock_;
+  EndpointLock control_lock_;
   zmq::socket_t data_;
   zmq::socket_t control_;
   zmq::socket_t workers_;
   Admission admission_;
-  Supervisor supervisor_;
+  std::uint32_t crews_n_ = 0;
+  std::unique_ptr<Crew> crew_;
+  std::unique_ptr<Crew> next_crew_;  // loading the new parts
+  std::unique_ptr<Crew> last_crew_;  // finishing what it computes
+  bool reload_again_ = false;
+  std::future<Result<NewParts>> loading_;
+  int loaded_fd_;
   Jobs jobs_;
   PoisonList poison_;
   Ticket next_ticket_ = 1;

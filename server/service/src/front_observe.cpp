@@ -18,12 +18,15 @@ constexpr seconds kMemoryInterval{1};
 /// being a front, that the golden frame was planned one of a worker being ready.
 std::optional<std::string> Front::Impl::why_not_ready() const {
   if (drain_until_) return "the server is shutting down; use another server";
-  const std::size_t workers_n = supervisor_.identities().size();
-  if (!was_ready_) {
-    return fmt::format("{} of {} workers are ready{}{}", supervisor_.ready_n(), workers_n,
-                       last_loss_.empty() ? "" : "; ", last_loss_);
+  if (!authenticates_) {
+    return "authentication does not answer, so that no client is let in; restart the server";
   }
-  if (supervisor_.ready_n() == 0) {
+  const Supervisor& workers = crew_->workers;
+  if (!was_ready_) {
+    return fmt::format("{} of {} workers are ready{}{}", workers.ready_n(),
+                       workers.identities().size(), last_loss_.empty() ? "" : "; ", last_loss_);
+  }
+  if (workers.ready_n() == 0) {
     return fmt::format("no worker is up; {}; it is being replaced", last_loss_);
   }
   return std::nullopt;
@@ -46,13 +49,15 @@ void Front::Impl::observe() {
     memory_looked_at_ = now;
     front_memory_bytes_ = resident_bytes(getpid());
     workers_memory_bytes_ = 0;
-    for (const int pid : supervisor_.pids()) workers_memory_bytes_ += resident_bytes(pid);
+    for (const Crew* crew : crews()) {
+      for (const int pid : crew->workers.pids()) workers_memory_bytes_ += resident_bytes(pid);
+    }
   }
   const auto why_not = why_not_ready();
   Load load;
   load.queued_n = admission_.queued_n();
-  load.workers_ready_n = supervisor_.ready_n();
-  load.workers_busy_n = supervisor_.busy_n();
+  load.workers_ready_n = crew_->workers.ready_n();
+  load.workers_busy_n = crew_->workers.busy_n();
   load.front_memory_bytes = front_memory_bytes_;
   load.workers_memory_bytes = workers_memory_bytes_;
   load.ready = !why_not;
@@ -65,13 +70,13 @@ HealthAnswer Front::Impl::health() const {
   HealthAnswer health;
   health.state = drain_until_ ? ServerState::kDraining
                               : (why_not_ready() ? ServerState::kStarting : ServerState::kReady);
-  health.workers_n = static_cast<std::uint32_t>(supervisor_.ready_n());
-  health.workers_busy_n = static_cast<std::uint32_t>(supervisor_.busy_n());
+  health.workers_n = static_cast<std::uint32_t>(crew_->workers.ready_n());
+  health.workers_busy_n = static_cast<std::uint32_t>(crew_->workers.busy_n());
   health.queued_n = static_cast<std::uint32_t>(admission_.queued_n());
   health.answered_n = answered_n_;
   health.uptime_s = std::chrono::duration<double>(Clock::now() - started_).count();
-  health.part_ids = options_.facts.part_ids;
-  health.server = options_.facts.server;
+  health.part_ids = crew_->facts.part_ids;
+  health.server = crew_->facts.server;
   health.answers_by_code = metrics_.answers_by_code();
   health.stages = metrics_.stages();
   health.workers_lost_n = metrics_.workers_lost_n();
@@ -87,15 +92,16 @@ void Front::Impl::tell(const Job& job, Code code, WorkReport report) {
   RequestEnd end;
   end.code = code;
   end.report = std::move(report);
-  end.queued = (job.running ? job.started : now) - job.arrived;
+  end.queued = (job.crew ? job.started : now) - job.arrived;
   end.taken = now - job.arrived;
   end.recorded = record(job, code);
-  log_json(LogLevel::kInfo, log_line(job.plan, end, options_.facts.server));
+  const Crew& crew = job.crew ? *job.crew : *crew_;
+  log_json(LogLevel::kInfo, log_line(job.plan, end, crew.facts.server));
 }
 
 std::filesystem::path Front::Impl::record(const Job& job, Code code) {
   const bool failed = code == Code::kInternal || code == Code::kDeadlineExceeded;
-  if (!failed || !job.running || !recorder_.is_on()) return {};
+  if (!failed || !job.crew || !recorder_.is_on()) return {};
   const auto recorded = recorder_.keep(job.plan.id, job.kept_envelope, job.kept_payload);
   if (recorded) return *recorded;
   log(LogLevel::kWarning, "{}", recorded.error().message);

@@ -15,7 +15,21 @@ constexpr std::size_t kMostMessages_n = 16;
 void Front::Impl::take(Message message, Door door) {
   const std::string client = message.frames[0].to_string();
   zmq::socket_t& socket = door == Door::kData ? data_ : control_;
-  Incoming incoming = take_in(std::move(message), part_ids_, door);
+  std::optional<std::string> key_cell;
+  if (authenticator_ && message.frames.size() > 1) {
+    key_cell = authenticator_->cell_of(message.frames[1]);
+    if (!key_cell) {
+      // Revoked while its client was connected. What it sent is not looked at, hence no request id.
+      metrics_.auth_failed(AuthFailure::kRevokedKey);
+      refuse(socket, client,
+             {{},
+              {},
+              {Code::kUnauthenticated,
+               "this key is not allowed any more; ask who runs the server for another one"}});
+      return;
+    }
+  }
+  Incoming incoming = take_in(std::move(message), crew_->part_ids, door, key_cell);
   if (auto* plan = std::get_if<PlanJob>(&incoming)) {
     admit(client, std::move(*plan));
   } else if (const auto* question = std::get_if<HealthQuestion>(&incoming)) {
@@ -24,7 +38,11 @@ void Front::Impl::take(Message message, Door door) {
     reply.body = health();
     answer(socket, client, reply);
   } else {
-    refuse(socket, client, std::get<Refused>(std::move(incoming)));
+    auto& refused = std::get<Refused>(incoming);
+    if (refused.error.code == Code::kUnauthenticated) {
+      metrics_.auth_failed(AuthFailure::kWrongCell);
+    }
+    refuse(socket, client, std::move(refused));
   }
 }
 
@@ -102,43 +120,47 @@ void Front::Impl::read_workers() {
   Message message;
   while (receive(workers_, 6, message)) {
     const std::string identity = message.frames[0].to_string();
-    if (!supervisor_.heard(identity, Clock::now())) continue;
-    hear(identity, std::move(message));
+    for (Crew* crew : crews()) {
+      if (!crew->workers.heard(identity, Clock::now())) continue;
+      hear(*crew, identity, std::move(message));
+      break;
+    }
   }
 }
 
-void Front::Impl::hear(const std::string& identity, Message message) {
+void Front::Impl::hear(Crew& crew, const std::string& identity, Message message) {
   const std::string_view what = message.frames.at(1).to_string_view();
   if (what == verb::kReady) {
-    greet(identity, message);
+    greet(crew, identity, message);
   } else if (what == verb::kUnfit) {
-    supervisor_.reject(identity, message.frames.at(2).to_string());
+    crew.workers.reject(identity, message.frames.at(2).to_string());
   } else if (what == verb::kDone) {
-    conclude(identity, std::move(message));
+    conclude(crew, identity, std::move(message));
   }
 }
 
-void Front::Impl::greet(const std::string& identity, const Message& message) {
-  const ServerInfo& server = options_.facts.server;
+void Front::Impl::greet(Crew& crew, const std::string& identity, const Message& message) {
+  const ServerInfo& server = crew.facts.server;
   if (message.frames.at(2).to_string_view() != server.catalogue_hash ||
       message.frames.at(3).to_string_view() != server.config_hash) {
     // Answers of one server must not depend on which worker computed them.
-    supervisor_.reject(identity,
-                       "the parts on disk have changed since the server started; restart it");
+    crew.workers.reject(identity,
+                        "the parts on disk have changed since they were loaded; reload them "
+                        "(SIGHUP)");
     return;
   }
-  supervisor_.ready(identity);
+  crew.workers.ready(identity);
   log(LogLevel::kDebug, "{} is ready", identity);
-  if (!was_ready_ && supervisor_.ready_n() == supervisor_.identities().size()) {
+  if (!was_ready_ && crew.workers.all_ready()) {
     was_ready_ = true;
     if (options_.on_ready) options_.on_ready();
   }
 }
 
-void Front::Impl::conclude(const std::string& identity, Message message) {
+void Front::Impl::conclude(Crew& crew, const std::string& identity, Message message) {
   const Ticket ticket = number_of(message.frames.at(2));
   const Code code = parse_enum<Code>(message.frames.at(3).to_string_view()).value();
-  if (supervisor_.release(identity, Clock::now()) != ticket) {
+  if (crew.workers.release(identity, Clock::now()) != ticket) {
     log(LogLevel::kError, "{} concluded a request it did not hold", identity);
     return;
   }
@@ -158,14 +180,14 @@ void Front::Impl::expire() {
     refuse(ticket, {Code::kDeadlineExceeded, "the request's budget ended while it was queued"});
   }
   for (auto& [ticket, job] : jobs_) {
-    if (job.running && !job.answered && job.deadline <= now) {
+    if (job.crew && !job.answered && job.deadline <= now) {
       refuse(ticket, {Code::kDeadlineExceeded, "the request's budget ended while it was computed"});
     }
   }
 }
 
 void Front::Impl::dispatch() {
-  while (const auto identity = supervisor_.idle()) {
+  while (const auto identity = crew_->workers.idle()) {
     const TimePoint now = Clock::now();
     const std::optional<Ticket> ticket = admission_.start(now);
     if (!ticket) return;
@@ -176,7 +198,7 @@ void Front::Impl::dispatch() {
     } else if (!start(job, *ticket, *identity)) {
       finish(*ticket, false);
       refuse(*ticket, {Code::kInternal, "no worker could be reached"});
-      supervisor_.reject(*identity, "it could not be reached");
+      crew_->workers.reject(*identity, "it could not be reached");
     }
   }
 }
@@ -196,8 +218,8 @@ bool Front::Impl::start(Job& job, Ticket ticket, const std::string& identity) {
   frames.push_back(std::move(job.plan.envelope));
   frames.push_back(std::move(job.plan.payload));
   if (send(workers_, std::move(frames)) != Sent::kYes) return false;
-  supervisor_.assign(identity, ticket, now);
-  job.running = true;
+  crew_->workers.assign(identity, ticket, now);
+  job.crew = crew_.get();
   job.started = now;
   return true;
 }
@@ -220,7 +242,7 @@ void Front::Impl::refuse(Ticket ticket, Error error, std::uint32_t retry_after_m
   }
   // A running job stays until its worker is heard of again.
   job.answered = true;
-  if (!job.running) jobs_.erase(found);
+  if (!job.crew) jobs_.erase(found);
 }
 
 void Front::Impl::answer(zmq::socket_t& socket, const std::string& client, const Answer& reply) {

@@ -68,7 +68,7 @@ class HttpEndpoint::Impl {
 
  private:
   std::string bind(const std::string& endpoint) {
-    const TcpEndpoint parsed = parse_endpoint(endpoint).value();
+    const Endpoint parsed = parse_endpoint(endpoint).value();
     const std::string address = address_of(parsed.host == "*" ? "0.0.0.0" : parsed.host);
     int port = port_of(parsed.port);
     if (port == 0) {

@@ -67,15 +67,25 @@ std::uint64_t content_of(Request request) {
 
 }  // namespace
 
-Incoming take_in(Message message, const std::set<std::string>& part_ids, Door door) {
+Incoming take_in(Message message, const std::set<std::string>& part_ids, Door door,
+                 const std::optional<std::string>& key_cell) {
   const auto id = [&] {
     const bool readable =
         message.arrived_n >= 2 && message.frames[1].size() <= kMaxRequestEnvelope_bytes;
     return readable ? codec::salvage_request_id(bytes_of(message.frames[1])) : RequestId{};
   };
-  if (auto ok = check_frames(message); !ok) return Refused{id(), {}, ok.error()};
+  const std::string cell = key_cell.value_or("");
+  if (auto ok = check_frames(message); !ok) return Refused{id(), cell, ok.error()};
   Result<Request> request = codec::decode_request(bytes_of(message.frames[1]));
-  if (!request) return Refused{id(), {}, request.error()};
+  if (!request) return Refused{id(), cell, request.error()};
+  if (key_cell && request->cell != *key_cell) {
+    return Refused{request->id,
+                   cell,
+                   {Code::kUnauthenticated,
+                    fmt::format("cell: the request says '{}', but it came under the key of '{}'; "
+                                "say the cell that the key belongs to, or use that cell's key",
+                                request->cell, *key_cell)}};
+  }
   if (std::holds_alternative<HealthCall>(request->call)) return HealthQuestion{request->id};
 
   const auto& call = std::get<PlanCall>(request->call);

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <variant>
@@ -32,7 +33,7 @@ struct HealthQuestion {
 
 struct Refused {
   RequestId id{};
-  std::string cell;  ///< where it could be read
+  std::string cell;  ///< the key's; without keys the request's, where it could be read
   Error error;
 };
 
@@ -44,7 +45,10 @@ enum class Door { kData, kControl };
 inline constexpr std::size_t kMostFrames = 3;
 
 /// The checks of the admission order that need nothing but the message: number and sizes of its
-/// frames, then the envelope, then the parts. \param message [routing id][envelope][payload]
-Incoming take_in(Message message, const std::set<std::string>& part_ids, Door door);
+/// frames, then the envelope, then whose it is, then the parts.
+/// \param message [routing id][envelope][payload]
+/// \param key_cell the cell whose key it came under, where there are keys
+Incoming take_in(Message message, const std::set<std::string>& part_ids, Door door,
+                 const std::optional<std::string>& key_cell);
 
 }  // namespace graspd::service

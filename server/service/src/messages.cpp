@@ -1,5 +1,7 @@
 #include "messages.hpp"
 
+#include <unistd.h>
+
 namespace graspd::service {
 
 bool receive(zmq::socket_t& socket, std::size_t kept, Message& message) {
@@ -37,6 +39,14 @@ void poll(std::vector<zmq::pollitem_t>& items, std::chrono::milliseconds timeout
     if (error.num() != EINTR) throw;
     for (auto& item : items) item.revents = 0;
   }
+}
+
+bool read_event(int fd) {
+  if (fd < 0) return false;
+  std::vector<zmq::pollitem_t> items{{nullptr, fd, ZMQ_POLLIN, 0}};
+  poll(items, std::chrono::milliseconds(0));
+  char event[128];  // a signalfd_siginfo, or an eventfd's counter
+  return (items[0].revents & ZMQ_POLLIN) != 0 && read(fd, event, sizeof event) > 0;
 }
 
 }  // namespace graspd::service

@@ -27,6 +27,9 @@ Sent send(zmq::socket_t& socket, std::vector<zmq::message_t> frames);
 /// zmq::poll that takes an interruption for "nothing yet".
 void poll(std::vector<zmq::pollitem_t>& items, std::chrono::milliseconds timeout);
 
+/// Reads an event of a signalfd or eventfd. Never blocks. \returns false where there is none.
+bool read_event(int fd);
+
 inline std::span<const std::byte> bytes_of(const zmq::message_t& frame) {
   return {static_cast<const std::byte*>(frame.data()), frame.size()};
 }

@@ -31,8 +31,7 @@ double seconds(std::chrono::nanoseconds duration) {
 
 class Metrics::Impl {
  public:
-  Impl(const ServerInfo& server, const std::vector<std::string>& part_ids,
-       const std::vector<std::string>& cells);
+  Impl();
 
   struct OfCell {
     std::map<Code, Counter*> answers;
@@ -54,6 +53,8 @@ class Metrics::Impl {
       counters("graspd_broken_total", "Answers INTERNAL or REJECTED_POISON: defects.");
   Family<Counter>& outcomes = counters("graspd_outcomes_total", "Plans, by their outcome.");
   Family<Counter>& parts = counters("graspd_planned_parts_total", "Plans that asked for a part.");
+  Family<Counter>& auth_failures =
+      counters("graspd_auth_failures_total", "Connections and messages not let in, by the reason.");
   Counter& workers_lost =
       counters("graspd_workers_lost_total", "Workers that ended and were replaced.").Add({});
   Histogram& answer_seconds =
@@ -70,9 +71,12 @@ class Metrics::Impl {
   Gauge& queued = gauges("graspd_queued_requests", "Requests that wait for a worker.").Add({});
   Gauge& ready = gauges("graspd_ready", "1 where /readyz says so.").Add({});
   Gauge& draining = gauges("graspd_draining", "1 where the server is shutting down.").Add({});
+  Family<Gauge>& build_info =
+      gauges("graspd_build_info", "1; what answers depend on beside the request.");
 
   /// Of what follows: prometheus-cpp guards its own.
   std::mutex mutex;
+  Gauge* build = nullptr;
   std::map<std::string, OfCell, std::less<>> by_cell;
   std::vector<OfStage> by_stage;  ///< in the order they are run in
   std::map<Code, std::uint64_t> by_code;
@@ -90,22 +94,17 @@ class Metrics::Impl {
 };
 
 // Series are there from the start, with 0: a rate must see the first of them.
-Metrics::Impl::Impl(const ServerInfo& server, const std::vector<std::string>& part_ids,
-                    const std::vector<std::string>& cells) {
-  gauges("graspd_build_info", "1; what answers depend on beside the request.")
-      .Add({{"build", server.build},
-            {"catalogue_hash", server.catalogue_hash},
-            {"config_hash", server.config_hash}})
-      .Set(1);
+Metrics::Impl::Impl() {
   by_cell.emplace(kOtherCell, make_cell(std::string(kOtherCell)));
-  for (const std::string& name : cells) by_cell.emplace(name, make_cell(name));
-  for (const std::string& id : part_ids) parts.Add({{"part", id}});
   for (const auto& [outcome, name] : EnumNames<Outcome>::values) {
     outcomes.Add({{"outcome", std::string(name)}});
   }
   for (const auto& [code, name] : EnumNames<Code>::values) {
     if (is_shed(code)) shed.Add({{"code", std::string(name)}});
     if (is_broken(code)) broken.Add({{"code", std::string(name)}});
+  }
+  for (const auto& [why, name] : EnumNames<AuthFailure>::values) {
+    auth_failures.Add({{"reason", std::string(name)}});
   }
 }
 
@@ -131,10 +130,26 @@ Metrics::Impl::OfStage& Metrics::Impl::stage(const std::string& name) {
       OfStage{&stage_seconds.Add({{"stage", name}}, kSeconds), {name, 0, 0}});
 }
 
-Metrics::Metrics(const ServerInfo& server, const std::vector<std::string>& part_ids,
-                 const std::vector<std::string>& cells)
-    : impl_(std::make_unique<Impl>(server, part_ids, cells)) {}
+Metrics::Metrics(const ServerInfo& server, const std::vector<std::string>& part_ids)
+    : impl_(std::make_unique<Impl>()) {
+  serve(server, part_ids);
+}
 Metrics::~Metrics() = default;
+
+void Metrics::serve(const ServerInfo& server, const std::vector<std::string>& part_ids) {
+  const std::lock_guard lock(impl_->mutex);
+  if (impl_->build != nullptr) impl_->build_info.Remove(impl_->build);
+  impl_->build = &impl_->build_info.Add({{"build", server.build},
+                                         {"catalogue_hash", server.catalogue_hash},
+                                         {"config_hash", server.config_hash}});
+  impl_->build->Set(1);
+  for (const std::string& id : part_ids) impl_->parts.Add({{"part", id}});
+}
+
+void Metrics::know(const std::string& cell) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->by_cell.emplace(cell, impl_->make_cell(cell));
+}
 
 void Metrics::answered(std::string_view cell, Code code, std::chrono::nanoseconds taken) {
   const std::lock_guard lock(impl_->mutex);
@@ -160,6 +175,11 @@ void Metrics::planned(Outcome outcome, const std::vector<std::string>& part_ids,
 }
 
 void Metrics::worker_lost() { impl_->workers_lost.Increment(); }
+
+void Metrics::auth_failed(AuthFailure why, std::size_t times_n) {
+  impl_->auth_failures.Add({{"reason", std::string(name_of(why))}})
+      .Increment(static_cast<double>(times_n));
+}
 
 void Metrics::set_load(const Load& load) {
   impl_->workers_ready.Set(static_cast<double>(load.workers_ready_n));

@@ -31,8 +31,9 @@ void bind(zmq::socket_t& socket, const std::string& endpoint) {
 }
 
 zmq::socket_t client_router(zmq::context_t& context, const std::string& endpoint,
-                            std::size_t largest_bytes) {
+                            std::size_t largest_bytes, const Authenticator* authenticator) {
   zmq::socket_t socket(context, zmq::socket_type::router);
+  if (authenticator != nullptr) authenticator->protect(socket);
   socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(largest_bytes + kFraming_bytes));
   socket.set(zmq::sockopt::rcvhwm, 4);
   socket.set(zmq::sockopt::sndhwm, 64);
@@ -51,12 +52,14 @@ zmq::socket_t client_router(zmq::context_t& context, const std::string& endpoint
 
 }  // namespace
 
-zmq::socket_t bind_data(zmq::context_t& context, const std::string& endpoint) {
-  return client_router(context, endpoint, kMaxPayload_bytes);
+zmq::socket_t bind_data(zmq::context_t& context, const std::string& endpoint,
+                        const Authenticator* authenticator) {
+  return client_router(context, endpoint, kMaxPayload_bytes, authenticator);
 }
 
-zmq::socket_t bind_control(zmq::context_t& context, const std::string& endpoint) {
-  return client_router(context, endpoint, kMaxRequestEnvelope_bytes);
+zmq::socket_t bind_control(zmq::context_t& context, const std::string& endpoint,
+                           const Authenticator* authenticator) {
+  return client_router(context, endpoint, kMaxRequestEnvelope_bytes, authenticator);
 }
 
 zmq::socket_t bind_workers(zmq::context_t& context, const std::string& endpoint) {

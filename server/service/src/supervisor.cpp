@@ -8,8 +8,12 @@ namespace graspd::service {
 using std::chrono::milliseconds;
 
 Supervisor::Supervisor(std::size_t workers_n, std::string endpoint, WorkerLauncher& launcher,
-                       SupervisorLimits limits)
-    : endpoint_(std::move(endpoint)), launcher_(launcher), limits_(limits), workers_(workers_n) {}
+                       SupervisorLimits limits, std::string name)
+    : endpoint_(std::move(endpoint)),
+      launcher_(&launcher),
+      limits_(limits),
+      name_(std::move(name)),
+      workers_(workers_n) {}
 
 Supervisor::Report Supervisor::tend(TimePoint now) {
   Report report;
@@ -19,7 +23,8 @@ Supervisor::Report Supervisor::tend(TimePoint now) {
       if (const auto reason = worker.handle->exit_reason()) bury(worker, *reason, now, report);
     }
     if (worker.handle) check_limits(worker, now);
-    if (worker.state == State::kAbsent && worker.since <= now) launch(worker, slot, now);
+    const bool due = worker.state == State::kAbsent && worker.since <= now;
+    if (due && !retired_) launch(worker, slot, now);
   }
   return report;
 }
@@ -29,12 +34,13 @@ TimePoint Supervisor::next_tend() const {
   for (const Worker& worker : workers_) {
     switch (worker.state) {
       case State::kAbsent:
-        next = std::min(next, worker.since);
+        if (!retired_) next = std::min(next, worker.since);
         break;
       case State::kStarting:
         next = std::min(next, worker.since + limits_.start);
         break;
       case State::kIdle:
+      case State::kLeaving:
         next = std::min(next, worker.last_heard + limits_.silence);
         break;
       case State::kBusy:
@@ -82,6 +88,13 @@ void Supervisor::ready(const std::string& identity) {
 
 void Supervisor::reject(const std::string& identity, const std::string& reason) {
   if (Worker* worker = find(identity)) doom(*worker, reason);
+}
+
+void Supervisor::dismiss(const std::string& identity, TimePoint now) {
+  Worker* worker = find(identity);
+  if (worker == nullptr || worker->state != State::kIdle) return;
+  worker->state = State::kLeaving;
+  worker->last_heard = now;
 }
 
 std::optional<std::string> Supervisor::idle() const {
@@ -143,8 +156,8 @@ Supervisor::Worker* Supervisor::find(const std::string& identity) {
 void Supervisor::launch(Worker& worker, std::size_t slot, TimePoint now) {
   // A new name each time: a message that its predecessor left in the socket is not taken for its.
   worker = {};
-  worker.identity = fmt::format("worker-{}.{}", slot, ++launched_n_);
-  worker.handle = launcher_.launch(endpoint_, worker.identity);
+  worker.identity = fmt::format("{}-{}.{}", name_, slot, ++launched_n_);
+  worker.handle = launcher_->launch(endpoint_, worker.identity);
   worker.state = State::kStarting;
   worker.since = now;
   worker.last_heard = now;
@@ -152,8 +165,10 @@ void Supervisor::launch(Worker& worker, std::size_t slot, TimePoint now) {
 
 void Supervisor::bury(Worker& worker, const std::string& reason, TimePoint now, Report& report) {
   const std::string why = worker.doom.empty() ? reason : worker.doom;
-  report.notices.push_back(
-      fmt::format("{} ({}) is gone: {}", worker.identity, worker.handle->name(), why));
+  if (worker.state != State::kLeaving) {
+    report.notices.push_back(
+        fmt::format("{} ({}) is gone: {}", worker.identity, worker.handle->name(), why));
+  }
   if (worker.holds_ticket) report.lost.push_back({worker.ticket, why});
   if (!worker.was_ready) {
     ++failed_starts_n_;
@@ -170,7 +185,8 @@ void Supervisor::bury(Worker& worker, const std::string& reason, TimePoint now, 
 void Supervisor::check_limits(Worker& worker, TimePoint now) {
   if (worker.state == State::kStarting && now - worker.since >= limits_.start) {
     doom(worker, fmt::format("it was not ready within {} ms", limits_.start.count()));
-  } else if (worker.state == State::kIdle && now - worker.last_heard >= limits_.silence) {
+  } else if ((worker.state == State::kIdle || worker.state == State::kLeaving) &&
+             now - worker.last_heard >= limits_.silence) {
     doom(worker, fmt::format("no sign of life for {} ms", limits_.silence.count()));
   } else if (worker.state == State::kBusy && now - worker.since >= limits_.job) {
     doom(worker,

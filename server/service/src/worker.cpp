@@ -149,6 +149,7 @@ void run_worker(const WorkerOptions& options, const PlanHandler& handler) {
 void prepare_worker_process(std::uint32_t memory_limit_mib) {
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
+  std::signal(SIGHUP, SIG_IGN);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   // Data, not address space: half a gigabyte of libraries is mapped, but not used. A sanitizer's
   // shadow memory is terabytes of data to the kernel, hence no limit there.

@@ -25,6 +25,7 @@ Json grasp_json(const agent::ChosenGrasp& chosen) {
           {"opening_width_m", grasp.opening_width_m},
           {"standoff_m", grasp.standoff_m},
           {"retreat_m", grasp.retreat_m},
+          {"room_m", grasp.room_m},
           {"grs",
            {{"grs", grs.grs},
             {"p_self", grs.p_self},
@@ -80,6 +81,7 @@ std::string to_json(const agent::PickRecord& record) {
     line["grasps"] = record.grasps_n;
   }
   if (!record.message.empty()) line["message"] = record.message;
+  if (!record.alarm.empty()) line["alarm"] = record.alarm;
   if (!record.passed_over.empty()) line["passed_over"] = passed_over_json(record.passed_over);
   if (record.chosen) line["grasp"] = grasp_json(*record.chosen);
   if (record.verdict) line["verdict"] = name_of(*record.verdict);

@@ -27,9 +27,14 @@ class ServerPlanner final : public Planner {
 
 Result<std::unique_ptr<Planner>> connect_planner(const std::vector<std::string>& endpoints,
                                                  const std::string& cell,
-                                                 std::chrono::milliseconds budget) {
+                                                 std::chrono::milliseconds budget,
+                                                 std::optional<keys::ClientKeys> keys) {
+  if (keys && keys->own.cell != cell) {
+    return invalid("key_file: holds the key of '{}', but this cell is '{}'", keys->own.cell, cell);
+  }
   client::ClientOptions options;
   options.cell = cell;
+  options.keys = std::move(keys);
   try {
     return std::make_unique<ServerPlanner>(endpoints, std::move(options), budget);
   } catch (const std::invalid_argument& e) {

@@ -47,7 +47,8 @@ class SimGripper final : public Gripper {
 };
 
 /// Links and start of the robot.
-sim_cell::PhysicsCellOptions with(const SimArm& arm, sim_cell::PhysicsCellOptions options) {
+sim_cell::PhysicsCellOptions with(const motion::MountedArm& arm,
+                                  sim_cell::PhysicsCellOptions options) {
   options.links.assign(arm.model.links().begin(), arm.model.links().end());
   options.start = robot_pose(arm, arm.out_of_view_rad);
   return options;
@@ -75,10 +76,9 @@ struct SimCell::Impl {
   std::unique_ptr<Arm> arm;
   std::deque<TimedPlanner> planners;
 
-  Result<void> carry(const SimArm& by) {
+  Result<void> carry(const motion::MountedArm& by) {
     joint_driver = std::make_unique<SimJointDriver>(cell, by);
-    auto planned =
-        motion::PlannedArm::create(*joint_driver, by.model, by.parameters, by.out_of_view_rad);
+    auto planned = motion::PlannedArm::create(*joint_driver, by);
     if (!planned) return tl::unexpected(planned.error());
     arm = *std::move(planned);
     return {};
@@ -92,7 +92,7 @@ struct SimCell::Impl {
 Result<std::unique_ptr<SimCell>> SimCell::create(
     const std::vector<parts::Mesh>& kinds, const sim_cell::Pile& pile,
     const sim_cell::PhysicsCellOptions& options,
-    const std::variant<SimArm, FloatingOptions>& carrier) {
+    const std::variant<motion::MountedArm, FloatingOptions>& carrier) {
   auto impl = std::make_unique<Impl>(
       kinds, pile, std::visit([&](const auto& by) { return with(by, options); }, carrier));
   const auto ok = std::visit([&](const auto& by) { return impl->carry(by); }, carrier);

@@ -26,7 +26,7 @@ Result<void> SimJointDriver::follow(const JointTrajectory& trajectory) {
   });
 }
 
-sim_cell::RobotPose robot_pose(const SimArm& arm, const Joints& q_rad) {
+sim_cell::RobotPose robot_pose(const motion::MountedArm& arm, const Joints& q_rad) {
   return {arm.model.T_base_flange(q_rad) * arm.parameters.T_flange_grasp,
           arm.model.link_poses(q_rad)};
 }

@@ -143,6 +143,10 @@ class Driver final : public agent::JointDriver {
 }  // namespace
 
 Result<std::unique_ptr<agent::JointDriver>> connect(const DriverOptions& options) {
+  if (options.joints_n < 1 || options.joints_n > static_cast<int>(kMaxJoints)) {
+    return invalid("simple message knows arms of 1 to {} joints, not of {}", kMaxJoints,
+                   options.joints_n);
+  }
   auto motion = MessageStream::connect(options.host, options.motion_port, options.watchdog);
   if (!motion) return tl::unexpected(motion.error());
   auto state = MessageStream::connect(options.host, options.state_port, options.watchdog);

@@ -9,7 +9,6 @@ namespace {
 
 constexpr std::size_t kWordSize = sizeof(Word);
 constexpr std::size_t kHeaderWords = 3;
-constexpr std::size_t kMaxJoints = 10;
 /// Far above any message of the protocol; a length beyond it is something else's bytes.
 constexpr Word kMaxLength = 4096;
 

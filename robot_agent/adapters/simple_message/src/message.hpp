@@ -13,6 +13,8 @@ namespace graspd::simple_message {
 
 using Word = std::uint32_t;
 
+inline constexpr std::size_t kMaxJoints = 10;  ///< that every message has room for
+
 enum Type : Word { kPing = 1, kJointPosition = 10, kJointTrajectoryPoint = 11, kStatus = 13 };
 enum Comm : Word { kTopic = 1, kServiceRequest = 2, kServiceReply = 3 };
 enum Reply : Word { kNoReply = 0, kSuccess = 1, kFailure = 2 };

@@ -3,10 +3,12 @@
 #include <chrono>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "graspd/client/dispatcher.hpp"
+#include "graspd/keys/key_files.hpp"
 #include "graspd/types/answer.hpp"
 #include "graspd/types/envelope.hpp"
 #include "graspd/types/frame.hpp"
@@ -17,6 +19,8 @@ namespace graspd::client {
 struct ClientOptions {
   std::string cell = "default";  ///< whose turn a request counts as: one name per robot cell
   DepthEncoding encoding = DepthEncoding::kRaw;
+  /// Without them only servers that are `insecure` answer. A key answers for its own cell alone.
+  std::optional<keys::ClientKeys> keys;
   DispatchOptions dispatch;
 };
 
@@ -43,7 +47,8 @@ class Client {
   Client& operator=(const Client&) = delete;
 
   /// Waits for the answer, `budget` at most.
-  /// \returns the server's refusals by their codes, UNAVAILABLE where no server is there, and
+  /// \returns the server's refusals by their codes, UNAUTHENTICATED where none takes our key,
+  /// UNAVAILABLE where no server is there, and
   /// INVALID_ARGUMENT for what need not be sent to know that it is wrong.
   /// \param id to find the request by in the server's log; never the same for two requests.
   Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,

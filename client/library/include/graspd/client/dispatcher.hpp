@@ -43,6 +43,9 @@ class Dispatcher {
            std::optional<std::size_t> only = std::nullopt);
   void connected(std::size_t server);
   void disconnected(std::size_t server, TimePoint now);
+  /// The server does not take our key. Its calls go elsewhere; those that have nowhere else to go
+  /// end with `why`.
+  void refused(std::size_t server, const Error& why, TimePoint now);
   /// \returns the call's end, if this is it. Answers of calls that have ended are dropped.
   std::optional<Result<Answer>> answered(std::size_t server, Answer answer, TimePoint now);
   /// The socket took nothing: the attempt has not been one.
@@ -75,6 +78,7 @@ class Dispatcher {
     std::uint64_t last_asked = 0;  ///< the count of attempts at that time; at first random
     std::uint32_t silences_n = 0;  ///< attempts in a row that it did not answer in time
     TimePoint quarantined_until;
+    std::optional<Error> refusal;  ///< of our key; until it is connected
   };
   struct Call {
     RequestId id{};
@@ -91,6 +95,7 @@ class Dispatcher {
 
   std::list<Call>::iterator find(const RequestId& id);
   void land(Call& call);
+  void lose(std::size_t server, const Error& why, TimePoint now);
   void retry_later(Call& call, TimePoint now, Error why);
   std::optional<Error> verdict(Call& call, TimePoint now);
   static void quarantine(Server& server, TimePoint now);
@@ -100,6 +105,7 @@ class Dispatcher {
   bool any_connected(const Call& call) const;
   bool may_use(const Call& call, std::size_t server) const;
   TimePoint wake_of(const Call& call, TimePoint now) const;
+  bool all_refuse(const Call& call) const;
   Error unavailable(const Call& call) const;
 
   DispatchOptions options_;

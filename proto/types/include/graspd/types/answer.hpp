@@ -121,7 +121,8 @@ struct Grasp {
   double opening_width_m = 0;
   double standoff_m = 0;
   double retreat_m = 0;
-  double score = 0;  ///< by the strategy: GRS, height, visible fraction, −distance, cosine
+  double room_m = 0;  ///< by which the gripper could be wider and still collide with nothing
+  double score = 0;   ///< by the strategy: GRS, height, visible fraction, −distance, cosine
   std::vector<CheckReport> checks;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -14,7 +15,7 @@ std::optional<double> bin_drift_m(const PlanAnswer& answer);
 
 struct DriftPolicy {
   double limit_m = 0.006;
-  std::size_t answers_n = 5;  ///< in a row
+  std::uint32_t answers_n = 5;  ///< in a row
 };
 
 /// Watches the known bin for a camera that has been knocked, or a bin that creeps: one frame may be

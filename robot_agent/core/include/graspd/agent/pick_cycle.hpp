@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "graspd/agent/drift_alarm.hpp"
 #include "graspd/agent/pick_memory.hpp"
 #include "graspd/agent/pick_record.hpp"
 #include "graspd/agent/ports.hpp"
@@ -131,6 +132,7 @@ struct Task {
   Eigen::Isometry3d T_base_place = Eigen::Isometry3d::Identity();  ///< see `pick_motions`
   double failed_spot_radius_m = 0.02;
   RetryPolicy retry;
+  DriftPolicy drift;
   Reactions reactions;
   StirOptions stir;
 };
@@ -196,6 +198,7 @@ class PickCycle {
   std::uint64_t picks_n_ = 0;
   std::string reason_;
   PickMemory memory_;
+  DriftAlarm drift_alarm_;
   Surveyor surveyor_;
 
   // Of the present frame.

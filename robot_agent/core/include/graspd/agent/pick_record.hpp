@@ -57,6 +57,7 @@ struct PickRecord {
   Code code = Code::kOk;           ///< of the answer, or why there was none
   std::optional<Outcome> outcome;  ///< where there was an answer
   std::string message;             ///< a sentence for everything but a part that was placed
+  std::string alarm;               ///< a sentence, where this frame raised the drift alarm
   std::size_t objects_n = 0;
   std::size_t grasps_n = 0;
   std::vector<PassedOver> passed_over;  ///< by rank

@@ -11,17 +11,22 @@
 
 namespace graspd::motion {
 
+/// An arm as it stands in a cell.
+struct MountedArm {
+  ArmModel model;
+  MotionParameters parameters;
+  agent::Joints out_of_view_rad;  ///< where the camera sees nothing of the arm that matters
+};
+
 /// An arm of which only the joints can be ordered: every motion is planned here, and followed by
 /// its driver. What `why_not` has planned is what `move` then does, as long as the motions come in
 /// that order and the arm stands where they begin; else `move` plans anew. Belongs to one thread.
 class PlannedArm final : public agent::Arm {
  public:
   /// \param driver must outlive the arm.
-  /// \param out_of_view_rad where the camera sees nothing of the arm that matters.
   /// \returns INVALID_ARGUMENT with what doesn't fit the arm.
-  static Result<std::unique_ptr<PlannedArm>> create(agent::JointDriver& driver, const ArmModel& arm,
-                                                    const MotionParameters& parameters,
-                                                    const agent::Joints& out_of_view_rad);
+  static Result<std::unique_ptr<PlannedArm>> create(agent::JointDriver& driver,
+                                                    const MountedArm& arm);
 
   void set_surroundings(const agent::Surroundings& surroundings) override;
   std::optional<std::string> why_not(std::span<const agent::Motion> motions) override;

@@ -66,6 +66,11 @@ class CollisionScene {
   void check_all(const Eigen::Isometry3d& T_floor_grasp, double opening_m,
                  Verdicts& verdicts) const;
 
+  /// By how much wider the gripper could be and still pass, in steps of 2 mm up to 6: the target,
+  /// which the clearance is for, does not count.
+  /// \param opening_m at which the checks pass.
+  double room_m(const Eigen::Isometry3d& T_floor_grasp, double opening_m) const;
+
   Verdict gripper_cloud(const Eigen::Isometry3d& T_floor_grasp, const SweptGripper& swept) const;
   Verdict gripper_parts(const Eigen::Isometry3d& T_floor_grasp, const SweptGripper& swept) const;
   Verdict gripper_bin(const Eigen::Isometry3d& T_floor_grasp, const SweptGripper& swept) const;
@@ -77,6 +82,8 @@ class CollisionScene {
 
  private:
   bool is_on(Check check) const;
+  Verdict part_in_the_way(const Eigen::Isometry3d& T_floor_grasp, const SweptGripper& swept,
+                          bool but_target) const;
   Verdict lift() const;
 
   CollisionParameters parameters_;

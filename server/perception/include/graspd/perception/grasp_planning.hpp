@@ -23,6 +23,7 @@ struct PlannedGrasp {
   std::string pick_point;
   Eigen::Isometry3d T_floor_grasp = Eigen::Isometry3d::Identity();
   double opening_width_m = 0;
+  double room_m = 0;  ///< of a free one
   std::vector<CheckReport> checks;
 };
 

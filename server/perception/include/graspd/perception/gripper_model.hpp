@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -22,17 +23,21 @@ struct GripperBox {
 /// and all that lies between.
 class SweptGripper {
  public:
-  SweptGripper(const Gripper& gripper, double opening_m);
+  /// \param room_m that all of it is made wider by, to all sides.
+  SweptGripper(const Gripper& gripper, double opening_m, double room_m = 0);
 
   std::span<const GripperBox> boxes() const { return {boxes_.data(), boxes_n_}; }
+  /// The jaws and all between them, which they cross while they close; none of a suction cup.
+  const std::optional<GripperBox>& closing() const { return closing_; }
 
  private:
   void add(std::string_view name, const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m,
            bool moves_with_opening);
 
-  double standoff_m_;
+  double standoff_m_, room_m_;
   std::array<GripperBox, 3> boxes_;
   std::size_t boxes_n_ = 0;
+  std::optional<GripperBox> closing_;
 };
 
 /// A box anywhere: centre, half sizes, axes as columns.

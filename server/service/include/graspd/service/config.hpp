@@ -14,7 +14,9 @@ namespace graspd::service {
 struct ServerConfig {
   std::string data_endpoint = "tcp://127.0.0.1:5555";
   std::string control_endpoint = "tcp://127.0.0.1:5556";
-  bool insecure = false;
+  bool insecure = false;                  ///< everybody on this machine may ask; keys are not used
+  std::filesystem::path key_file;         ///< the server's own; relative to the file that says it
+  std::filesystem::path allowed_cells;    ///< likewise
   std::filesystem::path parts = "parts";  ///< relative to the file that says it
   std::uint32_t workers_n = 2;            ///< 0: plan in the front's process
   std::uint32_t worker_threads_n = 0;     ///< 0: cores / workers

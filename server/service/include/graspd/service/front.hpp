@@ -2,10 +2,13 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "graspd/keys/allow_list.hpp"
+#include "graspd/keys/key_files.hpp"
 #include "graspd/service/config.hpp"
 #include "graspd/service/launcher.hpp"
 #include "graspd/service/log.hpp"
@@ -25,24 +28,41 @@
 ///
 /// Guarantees: every request that can be answered gets exactly one answer; health is answered
 /// within the time of one turn of the loop, whatever the load; when told to drain, everything
-/// accepted is still finished. It does not authenticate: it listens on loopback unless told
-/// `insecure`.
+/// accepted is still finished; when told to reload, too, and workers with the new parts take over
+/// once all of them are ready. With keys nothing is decoded but what came from an allowed one; that
+/// this is so is tried out before anything is read.
 namespace graspd::service {
 
 /// What the front says of the server it stands for.
 struct ServerFacts {
   std::vector<std::string> part_ids;
   ServerInfo server;
-  std::vector<std::string> cells;  ///< of the allow-list: metrics count them one by one
+};
+
+/// Who may come in.
+struct Authentication {
+  keys::KeyPair server;
+  keys::AllowList allowed;
+};
+
+/// What a reload brings: a catalogue, and what launches workers that have it.
+struct NewParts {
+  ServerFacts facts;
+  std::unique_ptr<WorkerLauncher> launcher;
 };
 
 struct FrontOptions {
   ServerConfig config;
   ServerFacts facts;
+  std::optional<Authentication> authentication;  ///< without it everybody may come in
   std::string worker_endpoint;  ///< ipc://…, in a folder that nobody else may enter
   /// A descriptor (signalfd, eventfd) that becomes readable when the server is to drain, and again
   /// when it is to stop at once.
   int stop_fd = -1;
+  /// Becomes readable when the list of allowed cells and the parts are to be read anew.
+  int reload_fd = -1;
+  /// Called on a thread of its own. Where it fails, the parts in force stay.
+  std::function<Result<NewParts>()> load_parts;
   Log log;
   std::function<void()> on_ready;  ///< once, when every worker is ready
 };
@@ -66,7 +86,8 @@ class Front {
   /// http://HOST:PORT; empty where there is no HTTP.
   std::string http_url() const;
   /// Serves until told to stop and drained.
-  /// \throws std::exception where it can't go on: workers that never get ready, no memory.
+  /// \throws std::exception where it can't go on: workers that never get ready, no memory,
+  /// authentication that lets in whom it should not.
   void run();
 
  private:

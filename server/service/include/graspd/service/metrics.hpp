@@ -23,6 +23,13 @@ struct Load {
   bool draining = false;
 };
 
+/// Why somebody was not let in.
+enum class AuthFailure {
+  kUnknownKey,  ///< a connection: its key is not on the allow-list
+  kRevokedKey,  ///< a message: its key is not on the allow-list any more
+  kWrongCell,   ///< a request in the name of another cell than its key's
+};
+
 /// What the server counts, for Prometheus; each series says in its HELP what it is.
 ///
 /// A label's value is never what a client sent: a cell that is not on the allow-list counts as
@@ -32,12 +39,16 @@ struct Load {
 /// All members may be called from any thread at once.
 class Metrics {
  public:
-  /// \param cells whose names may be labels
-  Metrics(const ServerInfo& server, const std::vector<std::string>& part_ids,
-          const std::vector<std::string>& cells);
+  Metrics(const ServerInfo& server, const std::vector<std::string>& part_ids);
   ~Metrics();
   Metrics(const Metrics&) = delete;
   Metrics& operator=(const Metrics&) = delete;
+
+  /// Other parts are served from now on.
+  void serve(const ServerInfo& server, const std::vector<std::string>& part_ids);
+  /// A cell of the allow-list: its name is a label from now on, even if it leaves the list, since a
+  /// series that goes would look like a restart.
+  void know(const std::string& cell);
 
   /// A request has got its answer.
   void answered(std::string_view cell, Code code, std::chrono::nanoseconds taken);
@@ -45,6 +56,7 @@ class Metrics {
   void planned(Outcome outcome, const std::vector<std::string>& part_ids,
                const std::vector<StageTiming>& timings);
   void worker_lost();
+  void auth_failed(AuthFailure why, std::size_t times_n = 1);
   void set_load(const Load& load);
 
   /// The text exposition format.
@@ -59,3 +71,12 @@ class Metrics {
 };
 
 }  // namespace graspd::service
+
+template <>
+struct graspd::EnumNames<graspd::service::AuthFailure> {
+  using Why = service::AuthFailure;
+  static constexpr std::string_view what = "failure of authentication";
+  static constexpr std::pair<Why, std::string_view> values[] = {{Why::kUnknownKey, "unknown_key"},
+                                                                {Why::kRevokedKey, "revoked_key"},
+                                                                {Why::kWrongCell, "wrong_cell"}};
+};

@@ -26,8 +26,9 @@ struct SupervisorLimits {
 /// answer. Time comes in with each call; not thread-safe.
 class Supervisor {
  public:
+  /// \param name what its workers' names begin with; no two supervisors on one endpoint share it
   Supervisor(std::size_t workers_n, std::string endpoint, WorkerLauncher& launcher,
-             SupervisorLimits limits);
+             SupervisorLimits limits, std::string name = "worker");
 
   struct Lost {
     Ticket ticket = 0;
@@ -51,6 +52,8 @@ class Supervisor {
   void ready(const std::string& identity);
   /// Ends a worker that may not work here; `reason` ends in the log.
   void reject(const std::string& identity, const std::string& reason);
+  /// An idle worker has been told to stop, and is ended where it does not.
+  void dismiss(const std::string& identity, TimePoint now);
 
   /// The idle worker that has rested longest.
   std::optional<std::string> idle() const;
@@ -58,12 +61,16 @@ class Supervisor {
   /// The worker has finished; \returns what it held.
   std::optional<Ticket> release(const std::string& identity, TimePoint now);
 
+  /// Nobody is launched any more; who is gone stays gone.
+  void retire() { retired_ = true; }
+  bool all_ready() const { return ready_n() == workers_.size(); }
+
   std::vector<std::string> identities() const;
   std::size_t ready_n() const;
   std::size_t busy_n() const;
 
  private:
-  enum class State { kAbsent, kStarting, kIdle, kBusy, kDoomed };
+  enum class State { kAbsent, kStarting, kIdle, kBusy, kLeaving, kDoomed };
   struct Worker {
     std::string identity;
     std::unique_ptr<WorkerHandle> handle;
@@ -83,9 +90,11 @@ class Supervisor {
   std::chrono::milliseconds back_off() const;
 
   std::string endpoint_;
-  WorkerLauncher& launcher_;
+  WorkerLauncher* launcher_;
   SupervisorLimits limits_;
+  std::string name_;
   std::vector<Worker> workers_;
+  bool retired_ = false;
   std::uint64_t launched_n_ = 0;
   int failed_starts_n_ = 0;
   bool any_was_ready_ = false;

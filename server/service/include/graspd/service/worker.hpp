@@ -40,7 +40,7 @@ struct WorkerOptions {
 void run_worker(const WorkerOptions& options, const PlanHandler& handler);
 
 /// For a process that is a worker and nothing else: limits its memory (0: no limit), and leaves the
-/// signals that end a server to the front, which drains first. Call before any other thread starts.
+/// signals that end or reload a server to the front. Call before any other thread starts.
 void prepare_worker_process(std::uint32_t memory_limit_mib);
 
 }  // namespace graspd::service

@@ -40,7 +40,7 @@ Result<std::unique_ptr<agent::Camera>> open_recording(RecordingKind kind,
 template <>
 struct graspd::EnumNames<graspd::replay::RecordingKind> {
   using Kind = replay::RecordingKind;
-  static constexpr std::string_view what = "kind of camera";
+  static constexpr std::string_view what = "kind of recording";
   static constexpr std::pair<Kind, std::string_view> values[] = {{Kind::kBop, "bop"},
                                                                  {Kind::kRawlog, "rawlog"}};
 };

@@ -5,17 +5,10 @@
 
 #include "graspd/agent/joint_driver.hpp"
 #include "graspd/agent/ports.hpp"
-#include "graspd/motion/motion_parameters.hpp"
+#include "graspd/motion/planned_arm.hpp"
 #include "graspd/sim_cell/physics_cell.hpp"
 
 namespace graspd::agent {
-
-/// The arm that moves a simulated cell's gripper.
-struct SimArm {
-  motion::ArmModel model;
-  motion::MotionParameters parameters;
-  Joints out_of_view_rad;  ///< where it also stands at first
-};
 
 /// How a gripper without an arm moves.
 struct FloatingOptions {
@@ -36,7 +29,7 @@ class SimCell {
   static Result<std::unique_ptr<SimCell>> create(
       const std::vector<parts::Mesh>& kinds, const sim_cell::Pile& pile,
       const sim_cell::PhysicsCellOptions& options,
-      const std::variant<SimArm, FloatingOptions>& carrier);
+      const std::variant<motion::MountedArm, FloatingOptions>& carrier);
   ~SimCell();
   SimCell(const SimCell&) = delete;
   SimCell& operator=(const SimCell&) = delete;

@@ -30,7 +30,8 @@ struct DriverOptions {
   agent::WatchLimits limits;
 };
 
-/// \returns UNAVAILABLE where a port can't be reached or no state comes within the watchdog's time.
+/// \returns UNAVAILABLE where a port can't be reached or no state comes within the watchdog's time,
+/// INVALID_ARGUMENT for more joints than the protocol's 10.
 Result<std::unique_ptr<agent::JointDriver>> connect(const DriverOptions& options);
 
 }  // namespace graspd::simple_message
