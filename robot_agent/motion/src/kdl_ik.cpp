@@ -17,6 +17,7 @@ constexpr int kIterations = 100;
 /// Of the error in metres, and in radians times the weight of rotations.
 constexpr double kAccuracy = 1e-7;
 constexpr double kRotationWeight = 0.1;
+constexpr double kAside_rad = 0.02;
 
 KDL::Chain chain_to_flange(const ArmData& data) {
   std::vector<int> links;
@@ -84,7 +85,15 @@ class KdlIk final : public InverseKinematics {
 
   Result<agent::Joints> follow(const Eigen::Isometry3d& T_base_flange,
                                const agent::Joints& near_rad) override {
-    const auto found_rad = run(T_base_flange, near_rad);
+    auto found_rad = run(T_base_flange, near_rad);
+    // Where axes line up the search goes nowhere; from beside that place it does.
+    for (int j = 0; j < near_rad.size() && !found_rad; ++j) {
+      for (const double aside_rad : {kAside_rad, -kAside_rad}) {
+        if (found_rad) break;
+        found_rad =
+            run(T_base_flange, near_rad + aside_rad * agent::Joints::Unit(near_rad.size(), j));
+      }
+    }
     if (!found_rad) return invalid("no joints were found that bring the flange there");
     agent::Joints q_rad = unwind(*found_rad, near_rad, arm_.limits());
     if (const auto beyond = beyond_limits(q_rad, arm_.limits())) return invalid("{}", *beyond);

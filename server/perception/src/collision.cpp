@@ -120,8 +120,14 @@ void CollisionScene::check_all(const Eigen::Isometry3d& T_floor_grasp, double op
 }
 
 double CollisionScene::room_m(const Eigen::Isometry3d& T_floor_grasp, double opening_m) const {
+  // The floor is where it is said to be.
+  double above_floor_m = kRooms_m[0];
+  for (const GripperBox& box : SweptGripper(gripper_, opening_m).boxes()) {
+    above_floor_m = std::min(above_floor_m, lowest_m(OrientedBox(T_floor_grasp, box.box_m)));
+  }
   for (const double room_m : kRooms_m) {
-    const SweptGripper wider(gripper_, opening_m, room_m);
+    const double deeper_m = std::clamp(above_floor_m, 0.0, room_m);
+    const SweptGripper wider(gripper_, opening_m, room_m, deeper_m);
     if (!gripper_bin(T_floor_grasp, wider).failed() &&
         !part_in_the_way(T_floor_grasp, wider, /*but_target=*/true).failed() &&
         !gripper_cloud(T_floor_grasp, wider).failed()) {

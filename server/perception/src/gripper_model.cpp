@@ -2,8 +2,9 @@
 
 namespace graspd::perception {
 
-SweptGripper::SweptGripper(const Gripper& gripper, double opening_m, double room_m)
-    : standoff_m_(gripper.standoff_m), room_m_(room_m) {
+SweptGripper::SweptGripper(const Gripper& gripper, double opening_m, double wider_m,
+                           double deeper_m)
+    : standoff_m_(gripper.standoff_m), wider_m_(wider_m), deeper_m_(deeper_m) {
   const Eigen::Vector3d& jaw_m = gripper.jaw_size_m;
   const Eigen::Vector3d& palm_m = gripper.palm_size_m;
   // The palm comes first: it is the largest, and does not depend on the opening.
@@ -23,8 +24,8 @@ SweptGripper::SweptGripper(const Gripper& gripper, double opening_m, double room
 
 void SweptGripper::add(std::string_view name, const Eigen::Vector3d& min_m,
                        const Eigen::Vector3d& max_m, bool moves_with_opening) {
-  const Eigen::Vector3d from_m = min_m - Eigen::Vector3d(room_m_, room_m_, standoff_m_);
-  const Eigen::Vector3d to_m = max_m + Eigen::Vector3d(room_m_, room_m_, 0);
+  const Eigen::Vector3d from_m = min_m - Eigen::Vector3d(wider_m_, wider_m_, standoff_m_);
+  const Eigen::Vector3d to_m = max_m + Eigen::Vector3d(wider_m_, wider_m_, deeper_m_);
   boxes_[boxes_n_++] = {name, {from_m, to_m}, moves_with_opening};
 }
 

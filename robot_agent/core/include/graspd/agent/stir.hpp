@@ -11,7 +11,8 @@
 namespace graspd::agent {
 
 struct StirOptions {
-  int max_in_a_row_n = 3;    ///< without a part placed in between; then the cycle stops
+  /// Without a part placed in between; then the cycle stops. There are four ways to stir.
+  int max_in_a_row_n = 8;
   double depth_m = 0.015;    ///< of the finger tips below the top of the pile
   double stroke_m = 0.1;     ///< shorter where the bin is
   double speed_share = 0.2;  ///< of the arm's own speed, in the pile

@@ -66,8 +66,8 @@ class CollisionScene {
   void check_all(const Eigen::Isometry3d& T_floor_grasp, double opening_m,
                  Verdicts& verdicts) const;
 
-  /// By how much wider the gripper could be and still pass, in steps of 2 mm up to 6: the target,
-  /// which the clearance is for, does not count.
+  /// By how much wider, and longer where the floor is not nearer, the gripper could be and still
+  /// pass, in steps of 2 mm up to 6. The target, which the clearance is for, does not count.
   /// \param opening_m at which the checks pass.
   double room_m(const Eigen::Isometry3d& T_floor_grasp, double opening_m) const;
 

@@ -23,8 +23,8 @@ struct GripperBox {
 /// and all that lies between.
 class SweptGripper {
  public:
-  /// \param room_m that all of it is made wider by, to all sides.
-  SweptGripper(const Gripper& gripper, double opening_m, double room_m = 0);
+  /// \param wider_m, deeper_m that all of it is larger by, to all sides and beyond the tips.
+  SweptGripper(const Gripper& gripper, double opening_m, double wider_m = 0, double deeper_m = 0);
 
   std::span<const GripperBox> boxes() const { return {boxes_.data(), boxes_n_}; }
   /// The jaws and all between them, which they cross while they close; none of a suction cup.
@@ -34,7 +34,7 @@ class SweptGripper {
   void add(std::string_view name, const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m,
            bool moves_with_opening);
 
-  double standoff_m_, room_m_;
+  double standoff_m_, wider_m_, deeper_m_;
   std::array<GripperBox, 3> boxes_;
   std::size_t boxes_n_ = 0;
   std::optional<GripperBox> closing_;

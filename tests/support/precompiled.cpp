@@ -1,0 +1,1 @@
+// Nothing is here: CMake wants a source beside a precompiled header.
