@@ -68,7 +68,13 @@ void measure_network(std::size_t requests_n, Table& table) {
 }
 
 void measure_load(int requests_n, Table& table) {
-  const trials::Overload overload = trials::overload(2 * requests_n);
+  for (const double share : {0.3, 0.6, 0.8, 0.9, 1.2}) {
+    const trials::OpenLoop open = trials::open_loop(share, requests_n / 2);
+    table.add(fmt::format("{:.0f} % of capacity", 100 * share), open);
+    table.add(fmt::format("open_{:.0f}_p99_ms", 100 * share), open.p99_ms,
+              share <= 0.8 ? "at most 40" : "");
+  }
+  const trials::OpenLoop overload = trials::open_loop(2, 2 * requests_n);
   table.add("200 % of capacity", overload);
   table.add("overload_goodput_share", overload.goodput_share, "at least 0.95");
   table.add("overload_silent", overload.silent_n, "0");
@@ -84,7 +90,28 @@ void measure_load(int requests_n, Table& table) {
   table.add("health_max_ms", health_ms.back(), "at most 10");
 }
 
+void measure_crowds(std::size_t requests_n, Table& table) {
+  using trials::CrowdKind;
+  for (const auto& [kind, name] :
+       {std::pair{CrowdKind::kSilent, "silent"}, std::pair{CrowdKind::kStalled, "stalled"}}) {
+    const trials::Crowd crowd = trials::beside_a_crowd(kind, 1000, requests_n);
+    table.add(fmt::format("a client beside 1000 {} peers", name), crowd);
+    table.add(fmt::format("{}_failed", name), crowd.failed_n, "0");
+    table.add(fmt::format("{}_p99_ratio", name), crowd.p99_ms / crowd.alone_p99_ms, "at most 1.2");
+  }
+}
+
+void measure_keys(std::size_t requests_n, Table& table) {
+  const trials::RevokedKey revoked = trials::revoke_a_key(requests_n);
+  table.add("beside a cell whose key is revoked", revoked);
+  table.add("revoked_others_failed", revoked.failed_n, "0");
+  table.add("revoked_answered", revoked.ok_after_n, "0");
+}
+
 void measure_cost(std::size_t requests_n, Table& table) {
+  const trials::Overhead overhead = trials::overhead(static_cast<int>(2 * requests_n));
+  table.add("overhead_plain_p50_ms", overhead.plain_p50_ms, "at most 0.4");
+  table.add("overhead_curve_p50_ms", overhead.curve_p50_ms, "at most 1.5");
   const double one_hz = trials::plans_hz(1, requests_n / 2);
   const double two_hz = trials::plans_hz(2, requests_n / 2);
   table.add("one_worker_hz", one_hz, "");
@@ -98,6 +125,8 @@ int measure(const Options& options) {
   measure_deaths(static_cast<std::size_t>(options.requests_n), table);
   measure_network(static_cast<std::size_t>(options.requests_n), table);
   measure_load(options.requests_n, table);
+  measure_crowds(static_cast<std::size_t>(options.requests_n), table);
+  measure_keys(static_cast<std::size_t>(options.requests_n), table);
   measure_cost(static_cast<std::size_t>(options.requests_n), table);
   table.write(options.out);
   return table.is_clean() ? 0 : 1;

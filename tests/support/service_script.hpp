@@ -16,8 +16,8 @@
 namespace graspd::service {
 
 inline const std::vector<std::string> kScriptedParts{
-    "crash", "echo",     "hang",      "hungry", "large",   "larger", "largest",
-    "other", "sleep_20", "sleep_100", "spin",   "spin_20", "throw",  "throw_bytes"};
+    "crash", "echo",     "empty",     "hang", "hungry",  "large", "larger",     "largest",
+    "other", "sleep_20", "sleep_100", "spin", "spin_20", "throw", "throw_bytes"};
 inline const ServerInfo kScriptedServer{"scripted", "catalogue", "config"};
 
 /// About `bytes` of outline on the wire, for what clients ask for on top.
@@ -36,6 +36,7 @@ inline Result<PlanAnswer> scripted_plan(const DepthFrame& frame, const PlanReque
   const std::string& script = request.parts.at(0).id;
   const auto start = std::chrono::steady_clock::now();
   PlanAnswer answer;
+  if (script == "empty") return answer;
   if (script == "crash") std::raise(SIGKILL);
   while (script == "hang") pause();
   while (script == "spin" && std::chrono::steady_clock::now() < deadline) {

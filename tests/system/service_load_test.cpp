@@ -10,10 +10,16 @@ namespace {
 using ::testing::IsEmpty;
 
 TEST(ServiceLoad, TwiceTheCapacityIsRefusedAloudAndThePlansGoOn) {
-  const Overload seen = overload(400);
+  const OpenLoop seen = open_loop(2, 400);
   EXPECT_EQ(seen.silent_n, 0);
   EXPECT_GT(seen.failed_n, 0) << "no overload";
   EXPECT_GE(seen.goodput_share, 0.8);
+  EXPECT_THAT(seen.violations, IsEmpty());
+}
+
+TEST(ServiceLoad, EveryRequestIsPlannedWhereThereIsRoom) {
+  const OpenLoop seen = open_loop(0.6, 150);
+  EXPECT_EQ(seen.failed_n, 0) << seen.ended;
   EXPECT_THAT(seen.violations, IsEmpty());
 }
 
@@ -31,6 +37,21 @@ TEST(ServiceLoad, HealthIsAnsweredWhileEveryWorkerIsBusy) {
   const std::vector<double> times_ms = health_ms_while_busy(100);
   EXPECT_LE(times_ms[50], 10);
 }
+
+class ServiceCrowd : public ::testing::TestWithParam<CrowdKind> {};
+
+TEST_P(ServiceCrowd, AThousandIdleConnectionsFailNobody) {
+  const Crowd seen = beside_a_crowd(GetParam(), 1000, 100);
+  EXPECT_EQ(seen.failed_n, 0) << seen.ended;
+  EXPECT_THAT(seen.violations, IsEmpty());
+  EXPECT_GE(seen.connected_n, 900u) << "no crowd";
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, ServiceCrowd,
+                         ::testing::Values(CrowdKind::kSilent, CrowdKind::kStalled),
+                         [](const auto& kind) {
+                           return kind.param == CrowdKind::kSilent ? "silent" : "stalled";
+                         });
 
 }  // namespace
 }  // namespace graspd::trials

@@ -2,6 +2,7 @@
 #include <sys/signalfd.h>
 
 #include <csignal>
+#include <initializer_list>
 #include <string>
 
 #include "graspd/service/front.hpp"
@@ -32,11 +33,10 @@ class Words {
   std::vector<std::string> words_;
 };
 
-int stop_descriptor() {
+int signal_descriptor(std::initializer_list<int> numbers) {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
+  for (const int number : numbers) sigaddset(&signals, number);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signalfd(-1, &signals, SFD_CLOEXEC);
 }
@@ -48,11 +48,17 @@ int serve(const Words& words) {
   options.config.data_endpoint = words.option("--endpoint", "tcp://127.0.0.1:0");
   options.config.control_endpoint = words.option("--control-endpoint", "tcp://127.0.0.1:0");
   options.config.workers_n = static_cast<std::uint32_t>(std::stoul(words.option("--workers", "2")));
-  options.config.insecure = true;
+  options.config.insecure = words.has("--insecure");
+  if (!options.config.insecure) {
+    options.config.allowed_cells = words.option("--allowed-cells", "");
+    options.authentication = {keys::read_key_pair(words.option("--key", "")).value(),
+                              keys::AllowList::read(options.config.allowed_cells).value()};
+  }
   options.facts.part_ids = kScriptedParts;
   options.facts.server = kScriptedServer;
   options.worker_endpoint = "ipc://" + (folder.path() / "workers").string();
-  options.stop_fd = stop_descriptor();
+  options.stop_fd = signal_descriptor({SIGTERM, SIGINT});
+  options.reload_fd = signal_descriptor({SIGHUP});
   options.log = [least = words.option("--log-level", "warning")](LogLevel level,
                                                                  std::string_view line) {
     if (level >= parse_enum<LogLevel>(least).value()) fmt::print(stderr, "{}\n", line);

@@ -9,6 +9,9 @@ std::vector<std::unique_ptr<client::Client>> make_clients(const LoadOptions& opt
     client::ClientOptions own;
     own.cell = options.name + "_" + std::to_string(cell);
     own.dispatch = options.dispatch;
+    if (const auto keys = options.keys.find(own.cell); keys != options.keys.end()) {
+      own.keys = keys->second;
+    }
     clients.push_back(std::make_unique<client::Client>(options.endpoints, own));
   }
   return clients;
@@ -31,10 +34,11 @@ void ask(client::Client& client, const Question& question, std::chrono::millisec
   const auto left =
       std::chrono::duration_cast<std::chrono::milliseconds>(planned + budget - Clock::now());
   const auto answer = client.plan(question.frame, question.request, left, id);
+  const TimePoint at = Clock::now();
   if (answer) {
-    history.answered(id, Clock::now(), question_of(*answer), digest_of(*answer));
+    history.answered(id, at, question_of(*answer), digest_of(*answer));
   } else {
-    history.refused(id, Clock::now(), answer.error().code);
+    history.refused(id, at, answer.error().code);
   }
 }
 

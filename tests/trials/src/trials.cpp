@@ -95,16 +95,16 @@ RollingRestart rolling_restart(std::size_t requests_n) {
   return restart;
 }
 
-Overload overload(int requests_n) {
+OpenLoop open_loop(double capacity_share, int requests_n) {
   const auto server = start_server(2);
-  Overload overload;
+  OpenLoop seen;
   {
     History history;
     const TimePoint start = Clock::now();
     ClosedLoop load(cells_of({server->data_endpoint}, 6), history);
     history.wait_for(static_cast<std::size_t>(requests_n) / 2);
     load.stop();
-    overload.peak_hz = history.tally().ok_n() / seconds_since(start);
+    seen.peak_hz = history.tally().ok_n() / seconds_since(start);
   }
   const int before_n = answers_n(health_of(server->data_endpoint));
   History history;
@@ -113,14 +113,14 @@ Overload overload(int requests_n) {
   options.budget = milliseconds(500);
   options.dispatch.max_attempts_n = 1;  // every refusal is seen
   const TimePoint start = Clock::now();
-  run_open_loop(options, 2 * overload.peak_hz, requests_n, history);
+  run_open_loop(options, capacity_share * seen.peak_hz, requests_n, history);
   const double taken_s = seconds_since(start);
-  static_cast<Seen&>(overload) = seen_in(history);
-  overload.goodput_hz = (overload.asked_n - overload.failed_n) / taken_s;
-  overload.goodput_share = overload.goodput_hz / overload.peak_hz;
+  static_cast<Seen&>(seen) = seen_in(history);
+  seen.goodput_hz = (seen.asked_n - seen.failed_n) / taken_s;
+  seen.goodput_share = seen.goodput_hz / seen.peak_hz;
   const int answered_n = answers_n(health_of(server->data_endpoint)) - before_n;
-  overload.silent_n = overload.asked_n - answered_n;
-  return overload;
+  seen.silent_n = seen.asked_n - answered_n;
+  return seen;
 }
 
 QuietCell quiet_cell(int requests_n) {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <string>
 #include <thread>
@@ -22,6 +23,7 @@ struct LoadOptions {
   std::string script = "sleep_20";
   std::chrono::milliseconds budget{5000};
   client::DispatchOptions dispatch{};
+  std::map<std::string, keys::ClientKeys> keys;  ///< by cell; who has none comes without
 };
 
 /// The same questions over and over, so that their answers can be compared.
