@@ -14,6 +14,7 @@ namespace {
 struct Options {
   std::filesystem::path out = "build/bench";
   int requests_n = 1000;
+  int soak_s = 120;
 };
 
 class Table {
@@ -60,11 +61,26 @@ void measure_deaths(std::size_t requests_n, Table& table) {
 }
 
 void measure_network(std::size_t requests_n, Table& table) {
-  const trials::Seen seen = trials::faults_in_turn(requests_n, 25);
-  table.add("25 faults of the network", seen);
+  const trials::Seen seen = trials::faults_in_turn(requests_n, 100);
+  table.add("100 faults of the network", seen);
   table.add("network_asked", seen.asked_n, "");
   table.add("network_failed", seen.failed_n, "0");
   table.add("network_worst_ms", seen.worst_ms, "");
+
+  const trials::OncePerId once = trials::computations_per_id(20);
+  table.add("20 resets of one server's connections", once);
+  table.add("computed_at_once", once.at_once_n, "0");
+  table.add("computed_again", once.again_n, "");
+
+  const std::string why_not = trials::why_no_namespaces();
+  if (!why_not.empty()) fmt::print("  skipped: {}\n", why_not);
+  for (const auto& [fault, name] : EnumNames<trials::LinkFault>::values) {
+    if (!why_not.empty()) break;
+    const trials::Seen link = trials::one_of_two_links_is_bad(fault, std::chrono::seconds(5));
+    table.add(fmt::format("link {} to one of two servers", name), link);
+    table.add(fmt::format("link_{}_failed", name), link.failed_n, "0");
+    table.add(fmt::format("link_{}_worst_ms", name), link.worst_ms, "at most 600");
+  }
 }
 
 void measure_load(int requests_n, Table& table) {
@@ -108,6 +124,15 @@ void measure_keys(std::size_t requests_n, Table& table) {
   table.add("revoked_answered", revoked.ok_after_n, "0");
 }
 
+void measure_soak(std::chrono::seconds length, Table& table) {
+  const trials::Soak soak = trials::soak(length, std::chrono::seconds(20));
+  table.add(fmt::format("{} s at 70 %, {} faults", length.count(), soak.faults_n), soak);
+  table.add("soak_failed", soak.failed_n, "0");
+  if (soak.memory_mb.empty()) return;
+  table.add("soak_memory_begin_mb", soak.memory_mb.front(), "");
+  table.add("soak_memory_end_mb", soak.memory_mb.back(), "as at the beginning");
+}
+
 void measure_cost(std::size_t requests_n, Table& table) {
   const trials::Overhead overhead = trials::overhead(static_cast<int>(2 * requests_n));
   table.add("overhead_plain_p50_ms", overhead.plain_p50_ms, "at most 0.4");
@@ -128,6 +153,7 @@ int measure(const Options& options) {
   measure_crowds(static_cast<std::size_t>(options.requests_n), table);
   measure_keys(static_cast<std::size_t>(options.requests_n), table);
   measure_cost(static_cast<std::size_t>(options.requests_n), table);
+  measure_soak(std::chrono::seconds(options.soak_s), table);
   table.write(options.out);
   return table.is_clean() ? 0 : 1;
 }
@@ -143,6 +169,9 @@ int main(int count, char** words) {
         ->capture_default_str();
     app.add_option("--requests", options.requests_n, "the length of a trial")
         ->check(CLI::Range(100, 1'000'000))
+        ->capture_default_str();
+    app.add_option("--soak-s", options.soak_s, "the length of the soak in seconds")
+        ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
     app.callback([&] {
       if (const int code = graspd::bench::measure(options)) throw CLI::RuntimeError(code);

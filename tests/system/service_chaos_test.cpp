@@ -33,6 +33,22 @@ TEST(ServiceChaos, FaultAfterFaultFailsNoRequestAndMixesUpNone) {
   EXPECT_THAT(seen.violations, IsEmpty());
 }
 
+TEST(ServiceChaos, WhatIsAskedAgainIsNotComputedTwiceAtATime) {
+  const OncePerId seen = computations_per_id(10);
+  EXPECT_EQ(seen.failed_n, 0) << seen.ended;
+  EXPECT_THAT(seen.violations, IsEmpty());
+  EXPECT_EQ(seen.at_once_n, 0);
+  EXPECT_EQ(seen.computed_n - seen.again_n, seen.asked_n);
+}
+
+TEST(ServiceChaos, FaultAfterFaultLeavesNoMemoryAndNoDescriptorBehind) {
+  const Soak seen = soak(std::chrono::seconds(12), std::chrono::milliseconds(500));
+  EXPECT_EQ(seen.failed_n, 0) << seen.ended;
+  EXPECT_THAT(seen.violations, IsEmpty());
+  // Each cell's place in line, buffers and the heap's own take some; a request takes 0.43 MB.
+  EXPECT_LT(seen.memory_mb.back(), seen.memory_mb.at(10) + 20);
+}
+
 TEST(ServiceChaos, CorruptBytesHarmNobodyBeside) {
   const CorruptedNeighbour seen = beside_a_corrupt_network(100);
   EXPECT_EQ(seen.failed_n, 0) << seen.ended;

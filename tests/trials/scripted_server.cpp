@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <sys/signalfd.h>
 
+#include <chrono>
 #include <csignal>
 #include <initializer_list>
 #include <string>
@@ -61,7 +62,10 @@ int serve(const Words& words) {
   options.reload_fd = signal_descriptor({SIGHUP});
   options.log = [least = words.option("--log-level", "warning")](LogLevel level,
                                                                  std::string_view line) {
-    if (level >= parse_enum<LogLevel>(least).value()) fmt::print(stderr, "{}\n", line);
+    if (level < parse_enum<LogLevel>(least).value()) return;
+    const std::chrono::duration<double, std::milli> now =
+        std::chrono::steady_clock::now().time_since_epoch();
+    fmt::print(stderr, "{{\"at_ms\":{:.3f},{}\n", now.count(), line.substr(1));
   };
   const Front* running = nullptr;
   options.on_ready = [&] {

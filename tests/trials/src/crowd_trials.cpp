@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <filesystem>
 #include <stdexcept>
 #include <thread>
 
@@ -78,12 +77,6 @@ class CrowdOfPeers {
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };
-
-std::size_t descriptors_n(pid_t pid) {
-  const auto folder = std::filesystem::path("/proc") / std::to_string(pid) / "fd";
-  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder),
-                                                std::filesystem::directory_iterator()));
-}
 
 }  // namespace
 

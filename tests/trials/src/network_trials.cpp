@@ -1,3 +1,7 @@
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
 #include "graspd/trials/chaos_proxy.hpp"
 #include "trial_servers.hpp"
 
@@ -77,6 +81,41 @@ Seen faults_in_turn(std::size_t requests_n, int faults_n) {
   }
   load.stop();
   return seen_in(history);
+}
+
+OncePerId computations_per_id(int resets_n) {
+  const testing::TemporaryFolder folder;
+  const std::string log = folder.path() / "log";
+  const auto server = start_server(2, {}, nullptr, log);
+  ChaosProxy network(server->data_endpoint, kSeed);
+  History history;
+  LoadOptions options = cells_of({network.endpoint()}, 6);
+  options.script = "sleep_100";  // longer than it takes to connect again
+  ClosedLoop load(options, history);
+  for (int i = 0; i < resets_n; ++i) {
+    history.wait_for(20);
+    network.reset_connections();
+  }
+  load.stop();
+  server->kill(SIGTERM);
+  server->wait();
+
+  OncePerId seen;
+  static_cast<Seen&>(seen) = seen_in(history);
+  std::map<std::string, double> answered_ms;
+  std::ifstream lines(log);
+  for (std::string line; std::getline(lines, line);) {
+    const auto json = nlohmann::json::parse(line);
+    if (json.value("code", "") != "OK") continue;
+    const double at_ms = json.at("at_ms");
+    const double started_ms = at_ms - json.at("total_ms").get<double>();
+    const auto [last, is_first] = answered_ms.try_emplace(json.at("request_id"), at_ms);
+    ++seen.computed_n;
+    if (is_first) continue;
+    ++(started_ms < last->second ? seen.at_once_n : seen.again_n);
+    last->second = at_ms;
+  }
+  return seen;
 }
 
 CorruptedNeighbour beside_a_corrupt_network(std::size_t requests_n) {

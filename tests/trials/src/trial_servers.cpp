@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <iterator>
 #include <stdexcept>
 #include <type_traits>
 
@@ -39,14 +41,14 @@ void Keyring::revoke(const std::string& cell) const {
 }
 
 std::unique_ptr<testing::ServeProcess> start_server(int workers_n, const std::string& endpoint,
-                                                    const Keyring* keys) {
+                                                    const Keyring* keys, const std::string& log) {
   std::vector<std::string> words{"--workers", std::to_string(workers_n)};
   if (!endpoint.empty()) words.insert(words.end(), {"--endpoint", endpoint});
   if (keys != nullptr) {
     const std::vector<std::string> more = keys->server_words();
     words.insert(words.end(), more.begin(), more.end());
   }
-  auto server = std::make_unique<testing::ServeProcess>(words);
+  auto server = std::make_unique<testing::ServeProcess>(words, log);
   if (!server->wait_ready()) throw std::runtime_error("the scripted server did not start");
   return server;
 }
@@ -63,6 +65,12 @@ HealthAnswer health_of(const std::string& endpoint) {
   const auto health = client.health(std::chrono::seconds(5)).at(0).health;
   if (!health) throw std::runtime_error(health.error().message);
   return *health;
+}
+
+std::size_t descriptors_n(pid_t pid) {
+  const auto folder = std::filesystem::path("/proc") / std::to_string(pid) / "fd";
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder),
+                                                std::filesystem::directory_iterator()));
 }
 
 Seen seen_in(const History& history) {

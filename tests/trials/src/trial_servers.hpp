@@ -31,10 +31,13 @@ class Keyring {
 
 /// The one place where the trials' servers get their configuration.
 std::unique_ptr<testing::ServeProcess> start_server(int workers_n, const std::string& endpoint = {},
-                                                    const Keyring* keys = nullptr);
+                                                    const Keyring* keys = nullptr,
+                                                    const std::string& log = {});
 LoadOptions cells_of(const std::vector<std::string>& endpoints, int cells_n);
 /// \throws std::runtime_error where the server does not answer.
 HealthAnswer health_of(const std::string& endpoint);
+/// That a process has open.
+std::size_t descriptors_n(pid_t pid);
 Seen seen_in(const History& history);
 
 }  // namespace graspd::trials

@@ -99,6 +99,23 @@ Seen one_of_two_links_is_bad(LinkFault fault, std::chrono::milliseconds length);
 /// Empty where network namespaces can be made here; otherwise a sentence.
 std::string why_no_namespaces();
 
+struct OncePerId : Seen {
+  int computed_n = 0;
+  int again_n = 0;    ///< of an id that had been computed and answered: the answer was lost
+  int at_once_n = 0;  ///< of an id that was being computed: never
+};
+/// How often a server computes what is asked again because a connection was lost.
+OncePerId computations_per_id(int resets_n);
+
+struct Soak : Seen {
+  int faults_n = 0;
+  std::vector<double> memory_mb;  ///< of both servers with their workers, after each fault
+};
+/// Two servers with keys at 70 % of what one of them can do, one fault after another: delay, stall,
+/// chopping, reset connections, a reload. Returns when the servers have as few descriptors as
+/// before.
+Soak soak(std::chrono::milliseconds length, std::chrono::milliseconds fault_every);
+
 struct Overhead {
   double plain_p50_ms = 0;
   double curve_p50_ms = 0;
