@@ -94,6 +94,7 @@ class ServeProcess {
     http_url = match[3];
     return true;
   }
+  pid_t pid() const { return pid_; }
   void kill(int signal) const { ::kill(pid_, signal); }
   /// Waits for its end. \returns the exit code, or minus the signal.
   int wait() {

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "graspd/client/dispatcher.hpp"
 
 namespace graspd::client {
@@ -80,15 +82,93 @@ TEST_F(DispatcherTest, SendsAsSoonAsAServerIsThere) {
 TEST_F(DispatcherTest, PicksTheServerWithFewestCallsInFlight) {
   dispatcher_.connected(0);
   dispatcher_.connected(1);
-  std::vector<std::size_t> in_flight(2);
+  std::vector<std::vector<int>> in_flight(2);
   for (int call = 1; call <= 8; ++call) {
     dispatcher_.add(id(call), kStart, kDeadline);
-    ++in_flight[attempt(kStart).server];
+    in_flight[attempt(kStart).server].push_back(call);
   }
-  EXPECT_EQ(in_flight, (std::vector<std::size_t>{4, 4}));
-  for (const int call : {1, 3, 5}) dispatcher_.answered(0, answer(call), kStart);
-  dispatcher_.add(id(9), kStart, kDeadline);
-  EXPECT_EQ(attempt(kStart).server, 0u);
+  ASSERT_EQ(in_flight[0].size(), 4u);
+  for (int i = 0; i < 2; ++i) dispatcher_.answered(0, answer(in_flight[0][i]), kStart);
+  for (const int call : {9, 10}) {
+    dispatcher_.add(id(call), kStart, kDeadline);
+    EXPECT_EQ(attempt(kStart).server, 0u);
+  }
+}
+
+TEST_F(DispatcherTest, OneCallAfterTheOtherUsesAllServers) {
+  dispatcher_.connected(0);
+  dispatcher_.connected(1);
+  std::vector<int> asked_n(2);
+  for (int call = 1; call <= 10; ++call) {
+    dispatcher_.add(id(call), kStart, kDeadline);
+    const std::size_t server = attempt(kStart).server;
+    ++asked_n[server];
+    dispatcher_.answered(server, answer(call), kStart);
+  }
+  EXPECT_EQ(asked_n, (std::vector<int>{5, 5}));
+}
+
+TEST(Dispatcher, ClientsDoNotAllStartWithTheSameServer) {
+  std::vector<int> first_n(2);
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    Dispatcher dispatcher({"tcp://a:1", "tcp://b:1"}, {}, seed);
+    dispatcher.connected(0);
+    dispatcher.connected(1);
+    dispatcher.add(id(1), kStart, kDeadline);
+    ++first_n[dispatcher.step(kStart).attempts.at(0).server];
+  }
+  EXPECT_GT(first_n[0], 5);
+  EXPECT_GT(first_n[1], 5);
+}
+
+class SilentServer : public DispatcherTest {
+ protected:
+  SilentServer() {
+    dispatcher_.connected(0);
+    dispatcher_.connected(1);
+    dispatcher_.add(id(1), kStart, kDeadline);
+    silent_ = attempt(kStart).server;
+    dispatcher_.answered(attempt(now_).server, answer(1), now_);
+  }
+  std::size_t server_of(int call, TimePoint now) {
+    dispatcher_.add(id(call), now, now + seconds(10));
+    return attempt(now).server;
+  }
+  TimePoint now_ = kStart + options_.attempt_timeout;
+  std::size_t silent_ = 0;
+};
+
+TEST_F(SilentServer, IsLeftAlone) {
+  for (int call = 2; call < 10; ++call) EXPECT_NE(server_of(call, now_), silent_);
+}
+
+TEST_F(SilentServer, IsTriedByOneCallAfterATime) {
+  const TimePoint later = now_ + seconds(2);
+  std::vector<std::size_t> servers;
+  for (int call = 2; call < 6; ++call) servers.push_back(server_of(call, later));
+  EXPECT_EQ(std::count(servers.begin(), servers.end(), silent_), 1);
+}
+
+TEST_F(SilentServer, IsOneOfAllAgainWhenItAnswers) {
+  dispatcher_.answered(silent_, answer(1), now_);  // late, of a call that has ended
+  std::vector<std::size_t> servers;
+  for (int call = 2; call < 6; ++call) servers.push_back(server_of(call, now_));
+  EXPECT_EQ(std::count(servers.begin(), servers.end(), silent_), 2);
+}
+
+TEST_F(SilentServer, IsAskedWhereThereIsNobodyElse) {
+  dispatcher_.disconnected(1 - silent_, now_);
+  EXPECT_EQ(server_of(2, now_), silent_);
+}
+
+TEST_F(SilentServer, IsLeftAloneForLongerWithEachSilence) {
+  // The call that tries it again loses its time too.
+  TimePoint now = now_ + seconds(2);
+  EXPECT_EQ(server_of(2, now), silent_);
+  now += options_.attempt_timeout;
+  dispatcher_.answered(attempt(now).server, answer(2), now);
+  EXPECT_NE(server_of(3, now + seconds(3)), silent_);
+  EXPECT_EQ(server_of(4, now + seconds(4)), silent_);
 }
 
 TEST_F(DispatcherTest, SendsInTheOrderOfTheCalls) {

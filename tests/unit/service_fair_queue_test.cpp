@@ -55,6 +55,36 @@ TEST(FairQueue, QuietCellWaitsForOneTurnOfTheNoisyOneAtMost) {
   EXPECT_EQ(started[1], 100u);
 }
 
+TEST(FairQueue, ACellThatComesBackEachTimeAlternatesWithANoisyOne) {
+  FairQueue queue(2, 1);
+  for (const Ticket ticket : {1, 2}) queue.push(waiting(ticket, "noisy"));
+  std::string starts;
+  for (Ticket ticket = 3; ticket < 23; ticket += 2) {
+    const auto started = queue.start();
+    starts += started->cell.front();
+    // While it runs, both ask again.
+    queue.push(waiting(ticket, "noisy"));
+    if (started->cell == "noisy") queue.push(waiting(ticket + 1, "quiet"));
+    queue.finish(started->cell);
+  }
+  EXPECT_EQ(starts, "nqnqnqnqnq");
+}
+
+TEST(FairQueue, NewCellsWithoutEndDoNotStarveAnother) {
+  FairQueue queue(2, 1);
+  Ticket ticket = 1;
+  queue.push(waiting(ticket, "old"));
+  int old_starts_n = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto started = queue.start();
+    old_starts_n += started->cell == "old" ? 1 : 0;
+    queue.push(waiting(++ticket, "new" + std::to_string(i)));
+    queue.push(waiting(++ticket, "old"));
+    queue.finish(started->cell);
+  }
+  EXPECT_GE(old_starts_n, 4);
+}
+
 TEST(FairQueue, OneCellHoldsAQuarterOfTheWorkersWhileAnotherWaits) {
   FairQueue queue(2, 8);
   for (Ticket ticket = 1; ticket <= 2; ++ticket) queue.push(waiting(ticket, "noisy"));
@@ -140,9 +170,11 @@ TEST(FairQueue, AheadOfCountsWhatReallyStartsBefore) {
           waiting(static_cast<Ticket>(i), std::string(1, static_cast<char>('a' + random() % 4))));
       if (random() % 3 == 0) queue.finish(queue.start()->cell);
     }
+    const auto running = random() % 2 == 0 ? queue.start() : std::nullopt;
     const std::string cell(1, static_cast<char>('a' + random() % 5));
     const std::size_t predicted = queue.ahead_of(cell);
     queue.push(waiting(1000, cell));
+    if (running) queue.finish(running->cell);
     std::size_t before = 0;
     while (true) {
       const auto job = queue.start();

@@ -42,7 +42,7 @@ TEST(FrontUnderLoad, WhatIsOverItsBudgetIsAnsweredAndNotStarted) {
   RawClient raw(front.data_endpoint);
   raw.send(good_frames(1000));
   gate.wait_for_entered(1);
-  raw.send(good_frames(50));
+  raw.send(good_frames(50, "raw", {2}));
   const Answer queued = raw.receive();
   EXPECT_EQ(queued.code, Code::kDeadlineExceeded);
   EXPECT_THAT(queued.message, HasSubstr("while it was queued"));

@@ -95,7 +95,7 @@ TEST(Front, AWorkerThatDiesCostsItsRequestAlone) {
   front.wait_ready();
   Client client({front.data_endpoint});
   for (int i = 0; i < 3; ++i) {
-    const auto lost = client.plan(example_frame(), example_request({"crash"}), kBudget);
+    const auto lost = client.plan(example_frame(16, 12 + i), example_request({"crash"}), kBudget);
     ASSERT_FALSE(lost);
     EXPECT_EQ(lost.error().code, Code::kInternal);
     EXPECT_THAT(lost.error().message, HasSubstr("signal 9"));
@@ -138,6 +138,11 @@ TEST(Front, APlannersExceptionIsAnAnswer) {
   ASSERT_FALSE(answer);
   EXPECT_EQ(answer.error().code, Code::kInternal);
   EXPECT_THAT(answer.error().message, HasSubstr("the script says so"));
+
+  const auto bytes = client.plan(example_frame(), example_request({"throw_bytes"}), kBudget);
+  ASSERT_FALSE(bytes);
+  EXPECT_EQ(bytes.error().code, Code::kInternal);
+  EXPECT_THAT(bytes.error().message, HasSubstr("planning failed: \xef\xbf\xbd"));
   EXPECT_TRUE(client.plan(example_frame(), example_request(), kBudget));
 }
 

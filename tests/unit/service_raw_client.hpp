@@ -16,11 +16,13 @@ namespace graspd::service {
 inline constexpr RequestId kRawId{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
 
 /// A good request, to spoil.
-inline std::vector<std::string> good_frames(std::uint32_t budget_ms = 20'000) {
+inline std::vector<std::string> good_frames(std::uint32_t budget_ms = 20'000,
+                                            const std::string& cell = "raw",
+                                            const RequestId& id = kRawId) {
   const codec::EncodedFrame frame = codec::encode_frame(example_frame(), DepthEncoding::kRaw);
   Request request;
-  request.id = kRawId;
-  request.cell = "raw";
+  request.id = id;
+  request.cell = cell;
   request.budget_ms = budget_ms;
   request.call = PlanCall{frame.description, example_request()};
   return {codec::encode_request(request),

@@ -130,6 +130,30 @@ TEST(Encode, CodesThatOnlyClientsMakeAreNotSent) {
   EXPECT_THROW(codec::encode_answer(answer), std::invalid_argument);
 }
 
+TEST(Encode, BytesThatAreNoUtf8BecomeReplacementCharacters) {
+  const std::string foreign = "caf\xe9 \xff\xfe \xed\xa0\x80 \xc0\xaf caf\xc3\xa9";
+  Answer refusal = RandomMessages(8).refusal();
+  refusal.message = foreign;
+  const auto decoded = codec::decode_answer(as_bytes(codec::encode_answer(refusal)));
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  const std::string& message = decoded->message;
+  EXPECT_EQ(message.find("caf\xef\xbf\xbd "), 0u) << message;
+  EXPECT_NE(message.find("caf\xc3\xa9"), std::string::npos) << message;
+
+  Answer answer = RandomMessages(9).plan_answer();
+  auto& plan = std::get<PlanAnswer>(answer.body);
+  plan.reason = plan.server.build = foreign;
+  plan.warnings = {"as it was", foreign};
+  plan.timings = {{foreign, 1}};
+  const auto decoded_plan = codec::decode_answer(as_bytes(codec::encode_answer(answer)));
+  ASSERT_TRUE(decoded_plan) << decoded_plan.error().message;
+  const auto& got = std::get<PlanAnswer>(decoded_plan->body);
+  EXPECT_EQ(got.warnings, (std::vector<std::string>{"as it was", message}));
+  EXPECT_EQ(got.timings.at(0).stage, message);
+  EXPECT_EQ(got.reason, message);
+  EXPECT_EQ(got.server.build, message);
+}
+
 TEST(Decode, UnknownFieldsOfALaterVersionAreIgnored) {
   const Request request = RandomMessages(7).plan_request();
   const std::string bytes = codec::encode_request(request) + "\xc2\x3e\x03new";  // field 1000

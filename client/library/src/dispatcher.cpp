@@ -14,6 +14,8 @@ constexpr double kRetryTokensPerCall = 0.1;
 constexpr milliseconds kBackOff{50};
 constexpr milliseconds kDrainingHold{1000};
 constexpr milliseconds kFullSocketHold{20};
+constexpr milliseconds kFirstQuarantine{2000};
+constexpr milliseconds kLastQuarantine{32'000};
 
 }  // namespace
 
@@ -24,8 +26,10 @@ Dispatcher::Dispatcher(std::vector<std::string> endpoints, DispatchOptions optio
   for (std::string& endpoint : endpoints) {
     Server server;
     server.endpoint = std::move(endpoint);
+    server.last_asked = random_() >> 32;
     servers_.push_back(std::move(server));
   }
+  asked_n_ = std::uint64_t{1} << 32;
 }
 
 void Dispatcher::add(const RequestId& id, TimePoint now, TimePoint deadline,
@@ -43,6 +47,7 @@ void Dispatcher::add(const RequestId& id, TimePoint now, TimePoint deadline,
 
 void Dispatcher::connected(std::size_t server) {
   servers_[server].connected = true;
+  servers_[server].silences_n = 0;
   servers_[server].refusal.reset();
 }
 
@@ -72,6 +77,7 @@ void Dispatcher::lose(std::size_t server, const Error& why, TimePoint now) {
 
 std::optional<Result<Answer>> Dispatcher::answered(std::size_t server, Answer answer,
                                                    TimePoint now) {
+  servers_[server].silences_n = 0;
   const auto found = find(answer.id);
   if (found == calls_.end()) return std::nullopt;
   Call& call = *found;
@@ -151,6 +157,7 @@ void Dispatcher::retry_later(Call& call, TimePoint now, Error why) {
 std::optional<Error> Dispatcher::verdict(Call& call, TimePoint now) {
   if (call.server && now >= end_of_attempt(call)) {
     const std::string& endpoint = servers_[*call.server].endpoint;
+    quarantine(servers_[*call.server], now);
     land(call);
     retry_later(
         call, now,
@@ -176,11 +183,22 @@ std::optional<Error> Dispatcher::verdict(Call& call, TimePoint now) {
   return std::nullopt;
 }
 
+/// A server that is connected but does not answer is asked last, for longer with each silence.
+void Dispatcher::quarantine(Server& server, TimePoint now) {
+  const milliseconds length = kFirstQuarantine * (1 << std::min(server.silences_n, 10u));
+  server.quarantined_until = now + std::min(kLastQuarantine, length);
+  ++server.silences_n;
+}
+
 std::optional<std::size_t> Dispatcher::choose(const Call& call, TimePoint now) const {
   std::optional<std::size_t> best;
   const auto rank = [&](std::size_t index) {
-    return std::make_tuple(static_cast<bool>(call.tried[index]), servers_[index].in_flight_n,
-                           index);
+    const Server& server = servers_[index];
+    // A server that was silent gets one call at a time, to show whether it still is.
+    const bool suspect =
+        server.silences_n > 0 && (now < server.quarantined_until || server.in_flight_n > 0);
+    return std::make_tuple(static_cast<bool>(call.tried[index]), suspect, server.in_flight_n,
+                           server.last_asked);
   };
   for (std::size_t index = 0; index < servers_.size(); ++index) {
     const Server& server = servers_[index];
@@ -195,6 +213,7 @@ Dispatcher::Attempt Dispatcher::launch(Call& call, std::size_t server, TimePoint
   call.sent = now;
   call.server = server;
   call.tried[server] = true;
+  servers_[server].last_asked = ++asked_n_;
   ++call.attempts_n;
   ++servers_[server].in_flight_n;
   return {call.id, server, call.attempts_n,

@@ -5,6 +5,7 @@
 
 #include "convert.hpp"
 #include "graspd/codec/codec.hpp"
+#include "valid_utf8.hpp"
 #include "wire_enums.hpp"
 
 namespace graspd::codec {
@@ -146,6 +147,7 @@ std::string encode_answer(const Answer& answer) {
   } else if (const auto* health = std::get_if<HealthAnswer>(&answer.body)) {
     write(*health, *message.mutable_health());
   }
+  make_strings_valid_utf8(message);
   return serialize(message);
 }
 

@@ -17,7 +17,7 @@ std::optional<Waiting> FairQueue::push(Waiting request) {
     superseded = std::move(cell.queue.front());
     cell.queue.pop_front();
   } else if (cell.queue.empty()) {
-    turns_.push_back(request.cell);
+    turns_.insert(turns_.begin() + static_cast<std::ptrdiff_t>(joining_turn(cell)), request.cell);
   }
   cell.queue.push_back(std::move(request));
   return superseded;
@@ -97,17 +97,27 @@ std::size_t FairQueue::ahead_of(const std::string& cell) const {
   const std::size_t queued = found == cells_.end() ? 0 : found->second.queue.size();
   const std::size_t own = std::min(queued, depth_per_cell_ - 1);  // a full queue loses its oldest
   // The new request starts in its cell's turn own + 1. Cells whose turn comes before have had one
-  // turn more by then than those after; a cell that waits for nothing yet joins at the end.
+  // turn more by then than those after.
+  const auto waits = std::find(turns_.begin(), turns_.end(), cell);
+  const std::size_t turn = waits != turns_.end()
+                               ? static_cast<std::size_t>(waits - turns_.begin())
+                               : joining_turn(found == cells_.end() ? Cell{} : found->second);
   std::size_t ahead = own;
-  bool before = true;
-  for (const std::string& name : turns_) {
-    if (name == cell) {
-      before = false;
-      continue;
-    }
-    ahead += std::min(cells_.at(name).queue.size(), before ? own + 1 : own);
+  for (std::size_t i = 0; i < turns_.size(); ++i) {
+    if (turns_[i] == cell) continue;
+    ahead += std::min(cells_.at(turns_[i]).queue.size(), i < turn ? own + 1 : own);
   }
   return ahead;
+}
+
+/// Where a cell that waited for nothing gets its turn: at the end; but where nothing of its own
+/// runs, before the cells at the end that have something running. They have had their turn while it
+/// had none, and they are overtaken only as long as that runs.
+std::size_t FairQueue::joining_turn(const Cell& cell) const {
+  std::size_t turn = turns_.size();
+  if (cell.running_n > 0) return turn;
+  while (turn > 0 && cells_.at(turns_[turn - 1]).running_n > 0) --turn;
+  return turn;
 }
 
 void FairQueue::forget_if_idle(const std::string& cell) {

@@ -170,11 +170,15 @@ void Front::Impl::tend(Crew& crew) {
     last_loss_ = notice;
   }
   for (const Supervisor::Lost& lost : report.lost) {
+    const std::uint64_t content = jobs_.at(lost.ticket).plan.content;
     finish(lost.ticket, false);
     refuse(lost.ticket, {Code::kInternal,
                          fmt::format("the worker that computed this request was lost ({}); other "
                                      "requests are not affected",
                                      lost.reason)});
+    if (poison_.add_death(content)) {
+      log(LogLevel::kWarning, "that request is poison: it is refused from now on");
+    }
     jobs_.erase(lost.ticket);
   }
 }

@@ -22,6 +22,7 @@
 #include "intake.hpp"
 #include "log_line.hpp"
 #include "messages.hpp"
+#include "poison_list.hpp"
 #include "recorder.hpp"
 #include "status.hpp"
 
@@ -47,7 +48,7 @@ class Front::Impl {
     Supervisor workers;
   };
   struct Job {
-    std::string client;  ///< routing id on the data socket
+    std::vector<std::string> clients;  ///< routing ids on the data socket, one for each message
     PlanJob plan;
     TimePoint arrived;
     TimePoint started;
@@ -92,6 +93,7 @@ class Front::Impl {
   // One message.
   void take(Message message, Door door);
   void admit(const std::string& client, PlanJob plan);
+  bool attach(const std::string& client, const PlanJob& plan);
   void hear(Crew& crew, const std::string& identity, Message message);
   void greet(Crew& crew, const std::string& identity, const Message& message);
   void conclude(Crew& crew, const std::string& identity, Message message);
@@ -102,6 +104,7 @@ class Front::Impl {
   void refuse(Ticket ticket, Error error, std::uint32_t retry_after_ms = 0);
   void refuse(zmq::socket_t& socket, const std::string& client, Refused refused);
   void answer(zmq::socket_t& socket, const std::string& client, const Answer& answer);
+  void send_to_clients(const Job& job, zmq::message_t envelope);
   void send_to_client(zmq::socket_t& socket, const std::string& client, zmq::message_t envelope);
 
   // What is told of it all.
@@ -139,6 +142,7 @@ class Front::Impl {
   std::future<Result<NewParts>> loading_;
   int loaded_fd_;
   Jobs jobs_;
+  PoisonList poison_;
   Ticket next_ticket_ = 1;
   TimePoint started_;
   std::uint64_t answered_n_ = 0;

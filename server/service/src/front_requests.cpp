@@ -1,9 +1,16 @@
+#include <algorithm>
 #include <vector>
 
 #include "front_impl.hpp"
 #include "graspd/codec/codec.hpp"
 
 namespace graspd::service {
+namespace {
+
+// Of one request: a client may reconnect and ask again, but not without end.
+constexpr std::size_t kMostMessages_n = 16;
+
+}  // namespace
 
 void Front::Impl::take(Message message, Door door) {
   const std::string client = message.frames[0].to_string();
@@ -50,10 +57,21 @@ void Front::Impl::refuse(zmq::socket_t& socket, const std::string& client, Refus
 }
 
 void Front::Impl::admit(const std::string& client, PlanJob plan) {
+  if (attach(client, plan)) return;
+  if (poison_.contains(plan.content)) {
+    refuse(data_, client,
+           {plan.id,
+            std::move(plan.cell),
+            {Code::kRejectedPoison,
+             fmt::format("{} workers were lost while they computed this very request; take a new "
+                         "frame, and report this one with its id",
+                         PoisonList::kDeaths_n)}});
+    return;
+  }
   const TimePoint now = Clock::now();
   const Ticket ticket = next_ticket_++;
   Job& job = jobs_[ticket];
-  job.client = client;
+  job.clients = {client};
   job.arrived = now;
   job.deadline = now + plan.budget;
   job.plan = std::move(plan);
@@ -68,6 +86,34 @@ void Front::Impl::admit(const std::string& client, PlanJob plan) {
         {Code::kSuperseded, "a newer frame of the same cell took this one's place in the queue"});
   }
   if (verdict.refusal) refuse(ticket, verdict.refusal->error, verdict.refusal->retry_after_ms);
+}
+
+/// A request whose id is queued or running is not computed twice: its sender hears what becomes of
+/// the first. \returns whether there is nothing more to do.
+bool Front::Impl::attach(const std::string& client, const PlanJob& plan) {
+  const auto found = std::find_if(jobs_.begin(), jobs_.end(), [&](const auto& ticket_and_job) {
+    const Job& job = ticket_and_job.second;
+    return !job.answered && job.plan.id == plan.id;
+  });
+  if (found == jobs_.end()) return false;
+  Job& job = found->second;
+  if (job.plan.content != plan.content) {
+    refuse(data_, client,
+           {plan.id,
+            plan.cell,
+            {Code::kInvalidArgument,
+             "id: another request with this id is being computed; take 16 new random bytes"}});
+  } else if (job.clients.size() >= kMostMessages_n) {
+    refuse(data_, client,
+           {plan.id,
+            plan.cell,
+            {Code::kInvalidArgument,
+             fmt::format("id: {} messages with this id wait for its answer; wait too",
+                         kMostMessages_n)}});
+  } else {
+    job.clients.push_back(client);
+  }
+  return true;
 }
 
 void Front::Impl::read_workers() {
@@ -123,7 +169,7 @@ void Front::Impl::conclude(Crew& crew, const std::string& identity, Message mess
   const Job& job = jobs_.at(ticket);
   if (!job.answered) {
     tell(job, code, decode_work_report(message.frames.at(4).to_string_view()));
-    send_to_client(data_, job.client, std::move(message.frames.at(5)));
+    send_to_clients(job, std::move(message.frames.at(5)));
   }
   jobs_.erase(ticket);
 }
@@ -192,7 +238,7 @@ void Front::Impl::refuse(Ticket ticket, Error error, std::uint32_t retry_after_m
     reply.code = error.code;
     reply.message = std::move(error.message);
     reply.retry_after_ms = retry_after_ms;
-    answer(data_, job.client, reply);
+    send_to_clients(job, frame_of(codec::encode_answer(reply)));
   }
   // A running job stays until its worker is heard of again.
   job.answered = true;
@@ -201,6 +247,14 @@ void Front::Impl::refuse(Ticket ticket, Error error, std::uint32_t retry_after_m
 
 void Front::Impl::answer(zmq::socket_t& socket, const std::string& client, const Answer& reply) {
   send_to_client(socket, client, frame_of(codec::encode_answer(reply)));
+}
+
+void Front::Impl::send_to_clients(const Job& job, zmq::message_t envelope) {
+  for (const std::string& client : job.clients) {
+    zmq::message_t shared;
+    shared.copy(envelope);
+    send_to_client(data_, client, std::move(shared));
+  }
 }
 
 void Front::Impl::send_to_client(zmq::socket_t& socket, const std::string& client,

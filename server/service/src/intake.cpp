@@ -1,5 +1,7 @@
 #include "intake.hpp"
 
+#include <xxhash.h>
+
 #include "graspd/codec/codec.hpp"
 
 namespace graspd::service {
@@ -54,6 +56,15 @@ std::vector<std::string> ids_of(const std::vector<RequestedPart>& parts) {
   return ids;
 }
 
+/// Pixels count by the checksum that the request gives of them; a worker refuses any others.
+std::uint64_t content_of(Request request) {
+  request.id = {};
+  request.attempt = 1;
+  request.budget_ms = 0;
+  const std::string text = codec::encode_request(request);
+  return XXH3_64bits(text.data(), text.size());
+}
+
 }  // namespace
 
 Incoming take_in(Message message, const std::set<std::string>& part_ids, Door door,
@@ -82,6 +93,7 @@ Incoming take_in(Message message, const std::set<std::string>& part_ids, Door do
     return Refused{request->id, std::move(request->cell), ok.error()};
   }
   PlanJob job;
+  job.content = content_of(*request);
   job.id = request->id;
   job.attempt = request->attempt;
   job.cell = std::move(request->cell);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
@@ -20,6 +21,8 @@ struct PlanJob {
   std::vector<std::string> parts;
   FrameDescription frame;
   std::chrono::milliseconds budget{0};
+  /// The same for the same question of the same cell, whatever its id, attempt and budget.
+  std::uint64_t content = 0;
   zmq::message_t envelope;
   zmq::message_t payload;
 };

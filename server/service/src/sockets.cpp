@@ -37,6 +37,8 @@ zmq::socket_t client_router(zmq::context_t& context, const std::string& endpoint
   socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(largest_bytes + kFraming_bytes));
   socket.set(zmq::sockopt::rcvhwm, 4);
   socket.set(zmq::sockopt::sndhwm, 64);
+  // Who does not fit into it waits for a second and more: all cells come at once after a restart.
+  socket.set(zmq::sockopt::backlog, 1024);
   socket.set(zmq::sockopt::handshake_ivl, 2000);
   socket.set(zmq::sockopt::heartbeat_ivl, 10'000);
   socket.set(zmq::sockopt::heartbeat_timeout, 30'000);

@@ -27,10 +27,13 @@ struct DispatchOptions {
 /// Which server is asked next, and when a call has failed: the decisions of the Freelance pattern,
 /// without its sockets. Servers are named by their index. Calls are sent in the order they came.
 ///
-/// A call goes to the connected server with the fewest calls in flight. Where an attempt gets no
-/// answer, is shed (BUSY, DRAINING) or loses its connection, the next one goes to another server
-/// where there is one. Retries are at most a tenth of all calls in the long run, so that clients
-/// don't bury servers that are in trouble. Not thread-safe; time comes in with each call.
+/// A call goes to the connected server with the fewest calls in flight; among equals to the one
+/// that was asked longest ago, so that clients with one call at a time use all servers too. A
+/// server that let an attempt's time pass is quarantined: asked only where there is nobody else,
+/// and then by one call at a time, until it answers. Where an attempt gets no answer, is shed
+/// (BUSY, DRAINING) or loses its connection, the next one goes to another server where there is
+/// one. Retries are at most a tenth of all calls in the long run, so that clients don't bury
+/// servers that are in trouble. Not thread-safe; time comes in with each call.
 class Dispatcher {
  public:
   Dispatcher(std::vector<std::string> endpoints, DispatchOptions options, std::uint64_t seed);
@@ -72,6 +75,9 @@ class Dispatcher {
     bool connected = false;
     std::size_t in_flight_n = 0;
     TimePoint hold_until;          ///< it asked to be left alone
+    std::uint64_t last_asked = 0;  ///< the count of attempts at that time; at first random
+    std::uint32_t silences_n = 0;  ///< attempts in a row that it did not answer in time
+    TimePoint quarantined_until;
     std::optional<Error> refusal;  ///< of our key; until it is connected
   };
   struct Call {
@@ -92,6 +98,7 @@ class Dispatcher {
   void lose(std::size_t server, const Error& why, TimePoint now);
   void retry_later(Call& call, TimePoint now, Error why);
   std::optional<Error> verdict(Call& call, TimePoint now);
+  static void quarantine(Server& server, TimePoint now);
   std::optional<std::size_t> choose(const Call& call, TimePoint now) const;
   Attempt launch(Call& call, std::size_t server, TimePoint now);
   TimePoint end_of_attempt(const Call& call) const;
@@ -105,6 +112,7 @@ class Dispatcher {
   std::vector<Server> servers_;
   std::list<Call> calls_;
   double retry_tokens_;
+  std::uint64_t asked_n_ = 0;
   std::mt19937_64 random_;
 };
 

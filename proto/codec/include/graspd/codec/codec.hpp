@@ -22,8 +22,9 @@ std::string encode_request(const Request& request);
 /// would be right.
 Result<Request> decode_request(Bytes envelope);
 
-/// Takes what it is given, even above kMaxAnswer_bytes. Throws std::invalid_argument for
-/// UNAVAILABLE, which never crosses the wire.
+/// Takes what it is given, even above kMaxAnswer_bytes; bytes that are no UTF-8 become U+FFFD,
+/// since no client could read the answer with them. Throws std::invalid_argument for UNAVAILABLE,
+/// which never crosses the wire.
 std::string encode_answer(const Answer& answer);
 /// \returns INTERNAL where the answer is not one of `graspd.v1`.
 Result<Answer> decode_answer(Bytes envelope);

@@ -25,9 +25,10 @@ struct Waiting {
 /// each cell has a short queue of its own, and cells take turns. A pile that has been picked from
 /// makes its older frames worthless, so the latest frame of a cell wins the place of its oldest.
 ///
-/// Guarantees: between two starts of a waiting cell, every other cell starts at most one request
-/// (where shares allow); no cell holds more than a quarter of the workers while a cell below its
-/// share waits; a worker is never left idle while anything waits.
+/// Guarantees: a cell of which nothing runs waits for one request of each other cell at most, one
+/// that runs already included (one worker); between two starts of a waiting cell, every other cell
+/// starts at most one request (where shares allow); no cell holds more than a quarter of the
+/// workers while a cell below its share waits; a worker is never left idle while anything waits.
 /// Not thread-safe; knows no clock.
 class FairQueue {
  public:
@@ -53,6 +54,7 @@ class FairQueue {
     std::deque<Waiting> queue;
     std::size_t running_n = 0;
   };
+  std::size_t joining_turn(const Cell& cell) const;
   void forget_if_idle(const std::string& cell);
 
   std::size_t depth_per_cell_;

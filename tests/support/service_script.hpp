@@ -6,6 +6,7 @@
 #include <csignal>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "graspd/service/worker.hpp"
@@ -15,7 +16,8 @@
 namespace graspd::service {
 
 inline const std::vector<std::string> kScriptedParts{
-    "crash", "echo", "hang", "hungry", "large", "larger", "largest", "other", "spin", "throw"};
+    "crash", "echo",     "empty",     "hang", "hungry",  "large", "larger",     "largest",
+    "other", "sleep_20", "sleep_100", "spin", "spin_20", "throw", "throw_bytes"};
 inline const ServerInfo kScriptedServer{"scripted", "catalogue", "config"};
 
 /// About `bytes` of outline on the wire, for what clients ask for on top.
@@ -32,13 +34,22 @@ inline std::vector<Grasp> long_rejected_grasps() {
 inline Result<PlanAnswer> scripted_plan(const DepthFrame& frame, const PlanRequest& request,
                                         std::chrono::steady_clock::time_point deadline) {
   const std::string& script = request.parts.at(0).id;
+  const auto start = std::chrono::steady_clock::now();
   PlanAnswer answer;
+  if (script == "empty") return answer;
   if (script == "crash") std::raise(SIGKILL);
   while (script == "hang") pause();
   while (script == "spin" && std::chrono::steady_clock::now() < deadline) {
   }
+  // A worker that has a core to itself, and one that needs one.
+  if (script == "sleep_20") std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  if (script == "sleep_100") std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  while (script == "spin_20" &&
+         std::chrono::steady_clock::now() - start < std::chrono::milliseconds(20)) {
+  }
   if (script == "hungry") answer.reason = std::to_string(std::vector<char>(1U << 30).size());
   if (script == "throw") throw std::runtime_error("the script says so");
+  if (script == "throw_bytes") throw std::runtime_error(std::string(300'000, '\xff'));
   // What the request was, so that an answer to another one shows.
   answer.funnel.pixels_n =
       static_cast<std::uint32_t>(frame.camera.width_px * frame.camera.height_px);

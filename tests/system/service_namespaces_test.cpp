@@ -1,0 +1,29 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "graspd/trials/trials.hpp"
+
+// Two servers and their clients on machines of their own, with keys, and a bad cable to one.
+namespace graspd::trials {
+namespace {
+
+using std::chrono::seconds;
+using ::testing::IsEmpty;
+
+class ServiceNamespaces : public ::testing::TestWithParam<LinkFault> {};
+
+TEST_P(ServiceNamespaces, ABadLinkToOneOfTwoServersFailsNoRequest) {
+  const std::string why_not = why_no_namespaces();
+  if (!why_not.empty()) GTEST_SKIP() << why_not;
+  const Seen seen = one_of_two_links_is_bad(GetParam(), seconds(5));
+  EXPECT_EQ(seen.failed_n, 0) << seen.ended;
+  EXPECT_THAT(seen.violations, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Faults, ServiceNamespaces,
+                         ::testing::Values(LinkFault::kPartition, LinkFault::kLoss5,
+                                           LinkFault::kLoss30, LinkFault::k20Mbit),
+                         [](const auto& fault) { return std::string(name_of(fault.param)); });
+
+}  // namespace
+}  // namespace graspd::trials

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "graspd/client/client.hpp"
+#include "graspd/trials/history.hpp"
+#include "graspd/trials/question.hpp"
+
+namespace graspd::trials {
+
+/// Who asks what of whom.
+struct LoadOptions {
+  std::vector<std::string> endpoints;
+  std::string name = "cell";  ///< cells are name_0, name_1, …, each with a client of its own
+  int cells_n = 1;
+  int in_flight_n = 1;  ///< of each cell
+  std::string script = "sleep_20";
+  std::chrono::milliseconds budget{5000};
+  client::DispatchOptions dispatch{};
+  std::map<std::string, keys::ClientKeys> keys;  ///< by cell; who has none comes without
+};
+
+/// The same questions over and over, so that their answers can be compared.
+inline constexpr std::uint32_t kQuestions_n = 50;
+
+/// Asks one question and notes what came of it. \param planned the instant its time counts from
+void ask(client::Client& client, const Question& question, std::chrono::milliseconds budget,
+         TimePoint planned, History& history);
+
+/// Clients that each ask again as soon as they are answered, until the object's end.
+class ClosedLoop {
+ public:
+  ClosedLoop(const LoadOptions& options, History& history);
+  ~ClosedLoop();
+  ClosedLoop(const ClosedLoop&) = delete;
+  ClosedLoop& operator=(const ClosedLoop&) = delete;
+
+  /// Waits for what is in flight.
+  void stop();
+
+ private:
+  LoadOptions options_;
+  History& history_;
+  std::vector<Question> questions_;
+  std::vector<std::unique_ptr<client::Client>> clients_;
+  std::atomic<bool> stop_ = false;
+  std::vector<std::thread> threads_;
+};
+
+/// Asks at planned instants, whether or not earlier questions are answered, and counts time from
+/// those instants, so that a server that is slow can't slow the clock down. Cells take turns.
+/// At most cells × in_flight_n are in flight: make that rate × budget.
+void run_open_loop(const LoadOptions& options, double rate_hz, int requests_n, History& history);
+
+}  // namespace graspd::trials
