@@ -94,6 +94,11 @@ int work(const Words& words) {
 
 int main(int count, char** words) {
   using namespace graspd::service;
-  const Words given(count, words);
-  return given.has("worker") ? work(given) : serve(given);
+  try {
+    const Words given(count, words);
+    return given.has("worker") ? work(given) : serve(given);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "scripted_server: %s\n", error.what());
+    return 1;
+  }
 }
