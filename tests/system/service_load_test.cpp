@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "all_served.hpp"
 #include "graspd/trials/trials.hpp"
 
 // More load than there is room for: the short version of what ./run bench service measures.
@@ -19,15 +20,13 @@ TEST(ServiceLoad, TwiceTheCapacityIsRefusedAloudAndThePlansGoOn) {
 
 TEST(ServiceLoad, EveryRequestIsPlannedWhereThereIsRoom) {
   const OpenLoop seen = open_loop(0.6, 150);
-  EXPECT_EQ(seen.failed_n, 0) << seen.ended;
-  EXPECT_THAT(seen.violations, IsEmpty());
+  EXPECT_THAT(seen, AllServed());
 }
 
 TEST(ServiceLoad, AQuietCellDoesNotWaitForANoisyOne) {
   const QuietCell seen = quiet_cell(40);
-  EXPECT_EQ(seen.failed_n, 0) << seen.ended;
+  EXPECT_THAT(seen, AllServed());
   EXPECT_LE(seen.p50_ms, 60);
-  EXPECT_THAT(seen.violations, IsEmpty());
   EXPECT_LE(seen.worst_ms, 100);
   EXPECT_GT(seen.noisy.failed_n, 0) << "not noisy";
   EXPECT_THAT(seen.noisy.violations, IsEmpty());
@@ -42,8 +41,7 @@ class ServiceCrowd : public ::testing::TestWithParam<CrowdKind> {};
 
 TEST_P(ServiceCrowd, AThousandIdleConnectionsFailNobody) {
   const Crowd seen = beside_a_crowd(GetParam(), 1000, 100);
-  EXPECT_EQ(seen.failed_n, 0) << seen.ended;
-  EXPECT_THAT(seen.violations, IsEmpty());
+  EXPECT_THAT(seen, AllServed());
   EXPECT_GE(seen.connected_n, 900u) << "no crowd";
 }
 

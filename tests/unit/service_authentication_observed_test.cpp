@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "http_get.hpp"
-#include "metrics_text.hpp"
 #include "service_authentication_support.hpp"
+#include "service_metrics_support.hpp"
 
 // What metrics and /readyz say of a front with keys.
 namespace graspd::service {
@@ -12,16 +12,7 @@ namespace {
 using client::Client;
 using graspd::testing::http_get;
 using graspd::testing::MetricsText;
-using graspd::testing::parse_metrics;
 using ::testing::HasSubstr;
-
-MetricsText read(const RunningFront& front) {
-  return parse_metrics(http_get(front.http_url, "/metrics").body);
-}
-
-std::string answers(const std::string& cell, const std::string& code) {
-  return "graspd_answers_total{cell=\"" + cell + "\",code=\"" + code + "\"}";
-}
 
 std::string failures(const std::string& reason) {
   return "graspd_auth_failures_total{reason=\"" + reason + "\"}";

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "http_get.hpp"
-#include "metrics_text.hpp"
 #include "service_front_support.hpp"
+#include "service_metrics_support.hpp"
 #include "service_raw_client.hpp"
 
 // What Prometheus reads of a real front.
@@ -13,18 +13,7 @@ namespace {
 using client::Client;
 using graspd::testing::http_get;
 using graspd::testing::MetricsText;
-using graspd::testing::parse_metrics;
 using ::testing::HasSubstr;
-
-MetricsText read(const RunningFront& front) {
-  const auto page = http_get(front.http_url, "/metrics");
-  EXPECT_EQ(page.status, 200);
-  return parse_metrics(page.body);
-}
-
-std::string answers(const std::string& cell, const std::string& code) {
-  return "graspd_answers_total{cell=\"" + cell + "\",code=\"" + code + "\"}";
-}
 
 void expect_counters_to_count_on(const MetricsText& before, const MetricsText& after) {
   for (const auto& [name, value] : before.series) {

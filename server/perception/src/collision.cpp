@@ -11,7 +11,8 @@ namespace {
 
 /// Of a suction cup: its lip gives way, so that it may be a little in the part that it sits on.
 constexpr double kLip_m = 0.003;
-/// A pose is seldom off by more than the widest.
+/// What `CollisionScene::room_m` tries. Poses that are right are off by 1 to 2.5 mm in the median,
+/// by part.
 constexpr double kRooms_m[] = {0.006, 0.004, 0.002};
 
 std::vector<OrientedBox> walls_of(const Bin& bin) {
