@@ -5,6 +5,7 @@
 namespace graspd::trials {
 
 /// Of what a trial has seen: no request failed, and the history of messages breaks no rule.
+// Named as Google Test names its own matchers. NOLINTNEXTLINE(readability-identifier-naming)
 MATCHER(AllServed, "") {
   *result_listener << arg.failed_n << " failed: " << arg.ended
                    << "; broken rules: " << ::testing::PrintToString(arg.violations);
