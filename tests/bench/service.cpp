@@ -67,8 +67,8 @@ void measure_network(std::size_t requests_n, Table& table) {
   table.add("network_failed", seen.failed_n, "0");
   table.add("network_worst_ms", seen.worst_ms, "");
 
-  const trials::OncePerId once = trials::computations_per_id(10);
-  table.add("10 resets of one server's connections", once);
+  const trials::OncePerId once = trials::computations_per_id(20);
+  table.add("20 resets of one server's connections", once);
   table.add("computed_at_once", once.at_once_n, "0");
   table.add("computed_again", once.again_n, "");
 
