@@ -88,8 +88,7 @@ void Client::Loop::run() {
     TimePoint until = std::min(wake_, now + kLongestSleep);
     for (ServerLink& link : links_) {
       link.renew_if_due(now);
-      items.push_back(link.socket_item());
-      items.push_back(link.monitor_item());
+      link.add_items(items);
       if (const auto renewal = link.renewal()) until = std::min(until, *renewal);
     }
     zmq::poll(items, std::max(milliseconds(0), std::chrono::ceil<milliseconds>(until - now)));
