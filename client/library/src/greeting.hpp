@@ -11,7 +11,7 @@ namespace graspd::client {
 /// first, and that one's own greeting may never arrive. Ours says nothing that could be refused.
 class Greeting {
  public:
-  /// Returns at once. \param endpoint one that a socket has been connected to
+  /// Returns at once. \param endpoint tcp://…, that a socket has been connected to
   Greeting(zmq::context_t& context, const std::string& endpoint);
 
   /// "NULL", "CURVE", "PLAIN", …; nothing until the greeting is there.

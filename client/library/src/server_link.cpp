@@ -121,7 +121,7 @@ std::optional<ServerLink::Change> ServerLink::change_of(std::uint16_t event, std
       return Change{Kind::kRefused, no_handshake(endpoint_, keys_ != nullptr)};
     default:
       // A server that goes down; or one of another mechanism, where it was the first to notice.
-      greeting_.emplace(*context_, endpoint_);
+      if (endpoint_.starts_with("tcp://")) greeting_.emplace(*context_, endpoint_);
       return Change{Kind::kRefused, no_handshake(endpoint_, keys_ != nullptr)};
   }
 }
