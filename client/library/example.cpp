@@ -12,7 +12,7 @@ int main(int count, char** words) {
   if (!camera || !image) return 2;
   const graspd::DepthFrame frame{camera->camera, camera->depth_scale_m, image->values};
   graspd::PlanRequest request;
-  request.T_base_camera = camera->T_base_camera;
+  request.T_base_camera = camera->T_base_camera.value_or(graspd::looking_down());
   request.parts = {{words[4], 0}};
 
   graspd::client::Client client({words[1]});

@@ -60,7 +60,7 @@ Result<Question> read_question(const PlanArguments& arguments) {
   Question question;
   question.frame = {camera, calibration->depth_scale_m, std::move(image->values)};
   PlanRequest& request = question.request;
-  request.T_base_camera = calibration->T_base_camera;
+  request.T_base_camera = calibration->T_base_camera.value_or(looking_down());
   if (!arguments.cell.empty()) {
     const auto cell = read_cell(arguments.cell);
     if (!cell) return tl::unexpected(cell.error());

@@ -28,8 +28,16 @@ Result<CellFrames> find_cell_frames(const CellConfig& config) {
   if (config.camera && !config.camera->calibration.empty()) {
     const auto calibration = read_camera(config.camera->calibration);
     if (!calibration) return tl::unexpected(calibration.error());
+    const bool is_said = calibration->T_base_camera || config.T_base_camera;
+    if (config.arm.motion && !is_said) {
+      return invalid(
+          "{}: T_base_camera is missing, and an arm that moves needs to know where its camera "
+          "stands: calibrate it with 'robot_agent calibrate', or say T_base_camera there or in the "
+          "cell's file",
+          config.camera->calibration.string());
+    }
     frames.intrinsics = calibration->camera;
-    frames.T_base_camera = calibration->T_base_camera;
+    frames.T_base_camera = calibration->T_base_camera.value_or(frames.T_base_camera);
     frames.depth_correction = calibration->depth_correction;
   }
   if (config.T_base_camera) frames.T_base_camera = *config.T_base_camera;

@@ -18,8 +18,9 @@ struct CellFrames {
 
 /// The configuration counts before the calibration file, and that before the recorded scene. A
 /// camera of which nobody says where it stands is the base itself, and looks straight down
-/// (`looking_down`).
-/// \returns INVALID_ARGUMENT where a file that is named can't be read.
+/// (`looking_down`), where no arm moves.
+/// \returns INVALID_ARGUMENT where a file that is named can't be read, or does not say where the
+/// camera of an arm that moves stands.
 Result<CellFrames> find_cell_frames(const CellConfig& config);
 
 }  // namespace graspd::robot_agent

@@ -105,6 +105,8 @@ Table table_of_results(const std::vector<Run>& runs) {
   table.add({"cycle, median",
              cycles_s.empty() ? "-" : fmt::format("{:.2f} s", median(std::move(cycles_s)))});
   table.add({"planning, of the cycle", percent(plan_s, cycle_s)});
+  table.add({"drift alarms",
+             std::to_string(count(lines, [](const PickLine& line) { return line.is_alarmed; }))});
   return table;
 }
 

@@ -165,7 +165,7 @@ int main(int count, char** words) {
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
     app.add_option("--gif", options.gif,
-                   "an animation of a bin's first minute; of several bins, the last one's");
+                   "an animation of a bin's emptying; of several bins, the last one's");
     app.add_flag("--fresh", options.fresh, "forget what earlier runs have measured");
     app.add_option("--out", options.out, "stem of the files that are written")
         ->capture_default_str();

@@ -67,8 +67,8 @@ void measure_network(std::size_t requests_n, Table& table) {
   table.add("network_failed", seen.failed_n, "0");
   table.add("network_worst_ms", seen.worst_ms, "");
 
-  const trials::OncePerId once = trials::computations_per_id(10);
-  table.add("10 resets of one server's connections", once);
+  const trials::OncePerId once = trials::computations_per_id(20);
+  table.add("20 resets of one server's connections", once);
   table.add("computed_at_once", once.at_once_n, "0");
   table.add("computed_again", once.again_n, "");
 
@@ -81,6 +81,12 @@ void measure_network(std::size_t requests_n, Table& table) {
     table.add(fmt::format("link_{}_failed", name), link.failed_n, "0");
     table.add(fmt::format("link_{}_worst_ms", name), link.worst_ms, "at most 600");
   }
+  if (!why_not.empty()) return;
+  const trials::Seen both =
+      trials::both_links_are_bad(trials::LinkFault::kLoss5, std::chrono::seconds(20));
+  table.add("links to both servers lose 5 %", both);
+  table.add("both_links_failed", both.failed_n, "");
+  table.add("both_links_worst_ms", both.worst_ms, "at most 5100");
 }
 
 void measure_load(int requests_n, Table& table) {

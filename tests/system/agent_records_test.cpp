@@ -93,6 +93,7 @@ TEST_F(AgentRecordsTest, ABinThatHasDriftedRaisesTheAlarmOnce) {
   std::vector<bool> is_alarmed;
   for (const json& pick : picks("bop")) is_alarmed.push_back(pick.contains("alarm"));
   EXPECT_THAT(is_alarmed, ElementsAre(false, true, false, false));
+  EXPECT_THAT(report(run_folder("bop")).output, ContainsRegex("drift alarms +1\n"));
 }
 
 TEST_F(AgentRecordsTest, TheReportSumsUpOneRunAndMany) {
@@ -102,14 +103,15 @@ TEST_F(AgentRecordsTest, TheReportSumsUpOneRunAndMany) {
   ASSERT_EQ(agent(config).exit_code, 0);
   const Finished one = report(run_folder("bop"));
   EXPECT_EQ(one.exit_code, 0) << one.output;
-  EXPECT_THAT(one.output,
-              AllOf(ContainsRegex("placed +2\n"), ContainsRegex("success +100.0 %\n"),
-                    ContainsRegex("95 % confidence +34.2 to 100.0 %\n"),
-                    ContainsRegex("picks per hour +[0-9]+\n"),
-                    ContainsRegex("planning, of the cycle +[0-9.]+ %\n"),
-                    ContainsRegex("bar +2 +2 +0 +0 +0 +100.0 %\n"),
-                    ContainsRegex("BIN_EMPTY: .* 1\n"), ContainsRegex("pre_grasp +[0-9.]+"),
-                    HasSubstr("DONE: BIN_EMPTY"), Not(HasSubstr("passed over"))));
+  EXPECT_THAT(
+      one.output,
+      AllOf(ContainsRegex("placed +2\n"), ContainsRegex("success +100.0 %\n"),
+            ContainsRegex("95 % confidence +34.2 to 100.0 %\n"),
+            ContainsRegex("picks per hour +[0-9]+\n"),
+            ContainsRegex("planning, of the cycle +[0-9.]+ %\n"),
+            ContainsRegex("drift alarms +0\n"), ContainsRegex("bar +2 +2 +0 +0 +0 +100.0 %\n"),
+            ContainsRegex("BIN_EMPTY: .* 1\n"), ContainsRegex("pre_grasp +[0-9.]+"),
+            HasSubstr("DONE: BIN_EMPTY"), Not(HasSubstr("passed over"))));
 
   ASSERT_EQ(agent(config, "--frames 1").exit_code, 0);
   const Finished both = report(folder.path() / "bop_records");

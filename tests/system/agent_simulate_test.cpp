@@ -58,7 +58,7 @@ TEST_F(AgentSimulateTest, WritesCameraAndBinForTheCommandLine) {
   ASSERT_TRUE(cell) << cell.error().message;
   ASSERT_TRUE(cell->bin);
   EXPECT_TRUE(cell->bin->inner_size_m.isApprox(Eigen::Vector3d(0.4, 0.3, 0.1)));
-  const Eigen::Isometry3d T_camera_bin = camera->T_base_camera.inverse() * cell->bin->T_base_bin;
+  const Eigen::Isometry3d T_camera_bin = camera->T_base_camera->inverse() * cell->bin->T_base_bin;
   EXPECT_NEAR(T_camera_bin.translation().z(), 0.8, 1e-9);
   EXPECT_EQ(camera->camera.width_px, 512);
 }

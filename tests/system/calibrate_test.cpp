@@ -94,7 +94,7 @@ TEST_F(CalibrateTest, WritesWhereTheCameraStandsAndWhatItsDepthIsOffBy) {
   ASSERT_TRUE(camera) << camera.error().message;
   EXPECT_EQ(camera->camera.cx_px, kCamera.cx_px);  // of images mirrored back
   const Vector3d p_camera(0.05, 0.05, 0.7);
-  EXPECT_LT((camera->T_base_camera * p_camera - T_base_camera * p_camera).norm(), 0.0015);
+  EXPECT_LT((*camera->T_base_camera * p_camera - T_base_camera * p_camera).norm(), 0.0015);
   ASSERT_TRUE(camera->depth_correction);
   DepthFrame frame{kCamera, 0.001, std::vector<std::uint16_t>(512 * 424, 650)};
   DepthCorrector(*camera->depth_correction, kCamera).correct(frame);

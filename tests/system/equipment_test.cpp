@@ -109,6 +109,23 @@ TEST_F(EquipmentTest, AWholePick) {
   EXPECT_EQ(controller.stops_n(), 0);
 }
 
+TEST_F(EquipmentTest, ACameraOfWhichNobodySaysWhereItStandsMovesNoArm) {
+  const auto camera = folder.write(
+      "camera.yaml",
+      "image_width: 512\nimage_height: 424\n"
+      "camera_matrix: {rows: 3, cols: 3, data: [365.5, 0, 255, 0, 365.5, 205, 0, 0, 1]}\n");
+  const auto cell = write_cell(our_arm());
+  std::ifstream file(cell);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t pose = text.find("T_base_camera:");
+  text.erase(pose, text.find('\n', pose) + 1 - pose);
+  text.replace(text.find("path: scene"), 11, "path: scene, calibration: camera.yaml");
+  const Finished refused = agent(folder.write("cell.yaml", text));
+  EXPECT_EQ(refused.exit_code, 2) << refused.output;
+  EXPECT_THAT(refused.output, HasSubstr(camera.string() + ": T_base_camera is missing"));
+  expect_not_moved();
+}
+
 TEST_F(EquipmentTest, AGripperIsTriedWithAnArmThatOnlyWritesDown) {
   const Finished finished = agent(write_cell("kind: record"));
   EXPECT_EQ(finished.exit_code, 0) << finished.output;

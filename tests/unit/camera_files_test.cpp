@@ -17,7 +17,7 @@ const CameraIntrinsics kCamera{
 
 CameraCalibration some_calibration() {
   CameraCalibration calibration{kCamera, 0.0005, looking_down(), DepthCorrection{}};
-  calibration.T_base_camera.translation() << 0.31, 1.0 / 3, 0.95;
+  calibration.T_base_camera->translation() << 0.31, 1.0 / 3, 0.95;
   *calibration.depth_correction = {
       {-0.014, 0.1, 0.2, -0.3, 0.4, 0.5}, {0.01, 0, 0, 0, 0, -0.02}, 0.7, 0.5, 0.9};
   return calibration;
@@ -33,7 +33,8 @@ TEST(CameraFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read->camera.cx_px, written.camera.cx_px);
   EXPECT_EQ(read->camera.distortion, written.camera.distortion);
   EXPECT_EQ(read->depth_scale_m, written.depth_scale_m);
-  EXPECT_EQ(read->T_base_camera.matrix(), written.T_base_camera.matrix());
+  ASSERT_TRUE(read->T_base_camera);
+  EXPECT_EQ(read->T_base_camera->matrix(), written.T_base_camera->matrix());
   ASSERT_TRUE(read->depth_correction);
   EXPECT_EQ(read->depth_correction->offset_m, written.depth_correction->offset_m);
   EXPECT_EQ(read->depth_correction->slope, written.depth_correction->slope);

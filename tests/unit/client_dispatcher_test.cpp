@@ -329,6 +329,20 @@ TEST_F(DispatcherTest, RetriesAreATenthOfTheCallsInTheLongRun) {
   EXPECT_LT(attempts, kCalls + kCalls / 10 + 20);
 }
 
+TEST_F(DispatcherTest, LostConnectionsFailNoCallHoweverManyThereAre) {
+  dispatcher_.connected(0);
+  TimePoint now = kStart;
+  for (int call = 0; call < 100; ++call) {
+    dispatcher_.add(id(call), now, now + seconds(5));
+    EXPECT_EQ(attempt(now).number, 1u);
+    dispatcher_.disconnected(0, now);
+    now += milliseconds(200);
+    dispatcher_.connected(0);
+    EXPECT_EQ(attempt(now).number, 2u) << call;
+    EXPECT_TRUE(dispatcher_.answered(0, answer(call), now));
+  }
+}
+
 TEST_F(DispatcherTest, AnAttemptThatWasNotSentIsNone) {
   dispatcher_.connected(0);
   dispatcher_.add(id(1), kStart, kDeadline);
@@ -337,6 +351,20 @@ TEST_F(DispatcherTest, AnAttemptThatWasNotSentIsNone) {
   const auto step = dispatcher_.step(kStart);
   EXPECT_TRUE(step.attempts.empty());
   EXPECT_EQ(attempt(step.wake).number, 1u);
+}
+
+TEST_F(DispatcherTest, ARetryThatWasNotSentIsTriedUntilItIs) {
+  dispatcher_.connected(0);
+  dispatcher_.add(id(1), kStart, kDeadline);
+  attempt(kStart);
+  dispatcher_.answered(0, answer(1, Code::kBusy, 1), kStart);
+  TimePoint now = dispatcher_.step(kStart).wake;
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_EQ(attempt(now).number, 2u) << i;
+    dispatcher_.not_sent(id(1), now);
+    now = dispatcher_.step(now).wake;
+  }
+  EXPECT_EQ(attempt(now).number, 2u);
 }
 
 TEST_F(DispatcherTest, HealthAsksOneServerOnce) {

@@ -136,6 +136,44 @@ TEST(Client, SomethingThatListensButIsNoServerIsNone) {
   EXPECT_EQ(answer.error().code, Code::kUnavailable);
 }
 
+/// Hangs up before its greeting is out, as a server may that has read in the other's that they have
+/// no mechanism in common; greets who does not say what it speaks (11 bytes).
+void hang_up_or_greet(zmq::socket_t stream, const std::string& mechanism) {
+  std::string greeting = std::string("\xff\0\0\0\0\0\0\0\x01\x7f\x03\0", 12) + mechanism;
+  greeting.resize(64, '\0');
+  try {
+    while (true) {
+      zmq::message_t peer;
+      zmq::message_t bytes;
+      (void)stream.recv(peer);
+      (void)stream.recv(bytes);
+      if (bytes.empty()) continue;  // came or went
+      stream.send(peer, zmq::send_flags::sndmore);
+      stream.send(zmq::buffer(bytes.size() == 11 ? greeting : ""), zmq::send_flags::none);
+    }
+  } catch (const zmq::error_t& error) {
+    ASSERT_EQ(error.num(), ETERM);
+  }
+}
+
+TEST(Client, FindsOutWhyAServerOfAnotherMechanismHungUp) {
+  for (const std::string mechanism : {"CURVE", "NULL"}) {
+    zmq::context_t context;
+    zmq::socket_t stream(context, zmq::socket_type::stream);
+    stream.set(zmq::sockopt::linger, 0);
+    stream.bind("tcp://127.0.0.1:*");
+    const std::string endpoint = stream.get(zmq::sockopt::last_endpoint);
+    std::thread server([&] { hang_up_or_greet(std::move(stream), mechanism); });
+    Client plain({endpoint});
+    const auto answer = plain.plan(example_frame(), example_request(), kBudget);
+    ASSERT_FALSE(answer);
+    const bool same = mechanism == "NULL";
+    EXPECT_EQ(answer.error().code, same ? Code::kUnavailable : Code::kUnauthenticated);
+    context.shutdown();
+    server.join();
+  }
+}
+
 TEST(Client, RefusesWhatIsNoEndpoint) {
   EXPECT_THROW(Client({"localhost"}), std::invalid_argument);
   EXPECT_THROW(Client({"tcp://127.0.0.1:port"}), std::invalid_argument);

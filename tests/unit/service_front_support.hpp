@@ -41,4 +41,11 @@ inline void wait_for_health(client::Client& client,
   }
 }
 
+/// An answer leaves before the log's line is written and metrics count it. The front does both
+/// before it answers anything else.
+inline void wait_until_told(const RunningFront& front) {
+  client::Client client({front.control_endpoint});
+  wait_for_health(client, [](const HealthAnswer&) { return true; });
+}
+
 }  // namespace graspd::service

@@ -19,6 +19,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 
 std::vector<json> lines_with(RunningFront& front, const std::string& key) {
+  wait_until_told(front);
   std::vector<json> lines;
   for (const std::string& text : front.log()) {
     EXPECT_EQ(text.find('\n'), std::string::npos);

@@ -57,6 +57,7 @@ TEST(Metrics, CountEachKindOfAnswerOnce) {
   raw.send({"no envelope", "no image"});
   EXPECT_EQ(raw.receive().code, Code::kInvalidArgument);
 
+  wait_until_told(front);
   const MetricsText after = read(front);
   expect_counters_to_count_on(before, after);
   EXPECT_EQ(after.at(answers("other", "OK")), 3);
@@ -105,6 +106,7 @@ TEST(Metrics, NothingThatClientsSendBecomesALabel) {
   front.wait_ready();
   Client first({front.data_endpoint}, options_of("stranger 0"));
   ASSERT_TRUE(first.plan(example_frame(), example_request(), kBudget));
+  wait_until_told(front);
   const MetricsText before = read(front);
   for (int i = 1; i < 20; ++i) {
     Client client({front.data_endpoint}, options_of("stranger " + std::to_string(i), 1));
@@ -112,6 +114,7 @@ TEST(Metrics, NothingThatClientsSendBecomesALabel) {
     EXPECT_FALSE(
         client.plan(example_frame(), example_request({"gizmo" + std::to_string(i)}), kBudget));
   }
+  wait_until_told(front);
   const MetricsText after = read(front);
   EXPECT_EQ(after.names(), before.names());
   EXPECT_EQ(after.at(answers("other", "OK")), 20);

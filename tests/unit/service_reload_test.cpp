@@ -62,6 +62,7 @@ TEST(Reload, MetricsTellOfTheNewParts) {
   front.wait_for_log(kNewPartsInForce);
   Client client({front.data_endpoint});
   ASSERT_TRUE(plan(client, "novelty"));
+  wait_until_told(front);
   const auto metrics = testing::parse_metrics(testing::http_get(front.http_url, "/metrics").body);
   EXPECT_EQ(metrics.at("graspd_planned_parts_total{part=\"novelty\"}"), 1);
   EXPECT_EQ(metrics.at("graspd_planned_parts_total{part=\"echo\"}"), 0);
@@ -91,6 +92,7 @@ TEST(Reload, WhatWasAcceptedIsFinishedAndTheNewWorkersDoNotWaitForIt) {
   const auto first = running.get();
   ASSERT_TRUE(first) << first.error().message;
   EXPECT_EQ(first->server.catalogue_hash, "catalogue");
+  wait_until_told(front);
   EXPECT_THAT(front.log(), Contains(AllOf(HasSubstr("\"code\":\"OK\""),
                                           HasSubstr("\"catalogue_hash\":\"catalogue\""))))
       << "the log says what it was computed with, not what is in force";

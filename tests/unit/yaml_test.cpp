@@ -140,7 +140,7 @@ TEST_F(Yaml, ReadsACalibrationAsOpenCvWritesIt) {
   EXPECT_EQ(calibration->camera.cx_px, 255);
   EXPECT_EQ(calibration->camera.distortion[4], 0.095);
   EXPECT_EQ(calibration->depth_scale_m, 0.001);
-  EXPECT_TRUE(calibration->T_base_camera.isApprox(looking_down()));
+  EXPECT_FALSE(calibration->T_base_camera);
 }
 
 TEST_F(Yaml, NamesWhatIsWrongWithACalibration) {

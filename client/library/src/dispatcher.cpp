@@ -72,6 +72,7 @@ void Dispatcher::lose(std::size_t server, const Error& why, TimePoint now) {
     land(call);
     call.connect_until = now + options_.connect_timeout;
     retry_later(call, now, why);
+    call.costs_token = false;
   }
 }
 
@@ -103,6 +104,7 @@ void Dispatcher::not_sent(const RequestId& id, TimePoint now) {
   servers_[*call.server].hold_until = now + kFullSocketHold;
   land(call);
   --call.attempts_n;
+  if (call.costs_token) retry_tokens_ += 1;
 }
 
 Dispatcher::Step Dispatcher::step(TimePoint now) {
@@ -140,6 +142,7 @@ void Dispatcher::land(Call& call) {
 
 void Dispatcher::retry_later(Call& call, TimePoint now, Error why) {
   call.last_error = std::move(why);
+  call.costs_token = true;
   // Another server is asked at once; the same one after a pause that differs between clients.
   const bool untried = std::any_of(servers_.begin(), servers_.end(), [&](const Server& server) {
     const auto index = static_cast<std::size_t>(&server - servers_.data());
@@ -168,7 +171,7 @@ std::optional<Error> Dispatcher::verdict(Call& call, TimePoint now) {
   if (now >= call.deadline) return call.last_error.value_or(unavailable(call));
   if (call.attempts_n > 0) {
     const bool no_more = call.only || call.attempts_n >= options_.max_attempts_n;
-    if (no_more || retry_tokens_ < 1) {
+    if (no_more || (call.costs_token && retry_tokens_ < 1)) {
       Error error = *call.last_error;
       if (call.attempts_n > 1) error.message += fmt::format(" ({} attempts)", call.attempts_n);
       return error;
@@ -209,7 +212,7 @@ std::optional<std::size_t> Dispatcher::choose(const Call& call, TimePoint now) c
 }
 
 Dispatcher::Attempt Dispatcher::launch(Call& call, std::size_t server, TimePoint now) {
-  if (call.attempts_n > 0) retry_tokens_ -= 1;
+  if (call.costs_token) retry_tokens_ -= 1;
   call.sent = now;
   call.server = server;
   call.tried[server] = true;

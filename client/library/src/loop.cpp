@@ -28,6 +28,15 @@ std::vector<ServerLink> connect(zmq::context_t& context, const std::vector<std::
   return links;
 }
 
+using Payload = std::shared_ptr<const std::vector<std::byte>>;
+
+/// Sent from where it lies: the frame shares it until it is sent, or given up.
+zmq::message_t frame_of(const Payload& payload) {
+  const auto release = [](void*, void* shared) { delete static_cast<Payload*>(shared); };
+  // Nobody writes to it: libzmq has but one kind of pointer.
+  return {const_cast<std::byte*>(payload->data()), payload->size(), release, new Payload(payload)};
+}
+
 /// Signals are for the program's own threads: one that hits ours would interrupt a socket.
 std::thread thread_without_signals(std::function<void()> body) {
   sigset_t all;
@@ -79,8 +88,7 @@ void Client::Loop::run() {
     TimePoint until = std::min(wake_, now + kLongestSleep);
     for (ServerLink& link : links_) {
       link.renew_if_due(now);
-      items.push_back(link.socket_item());
-      items.push_back(link.monitor_item());
+      link.add_items(items);
       if (const auto renewal = link.renewal()) until = std::min(until, *renewal);
     }
     zmq::poll(items, std::max(milliseconds(0), std::chrono::ceil<milliseconds>(until - now)));
@@ -160,7 +168,7 @@ void Client::Loop::send_due() {
     const std::string envelope = codec::encode_request(call.request);
     std::vector<zmq::message_t> frames;
     frames.emplace_back(envelope.data(), envelope.size());
-    if (call.payload) frames.emplace_back(call.payload->data(), call.payload->size());
+    if (call.payload) frames.push_back(frame_of(call.payload));
     if (links_[attempt.server].send(std::move(frames))) continue;
     dispatcher_.not_sent(attempt.id, now);
     wake_ = std::min(wake_, now + milliseconds(1));

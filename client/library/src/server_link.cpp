@@ -47,6 +47,7 @@ ServerLink::ServerLink(zmq::context_t& context, std::string endpoint, std::size_
 }
 
 void ServerLink::open() {
+  greeting_.reset();
   socket_ = zmq::socket_t(*context_, zmq::socket_type::dealer);
   monitor_ = zmq::socket_t(*context_, zmq::socket_type::pair);
   socket_.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(kMaxAnswer_bytes));
@@ -91,7 +92,7 @@ void ServerLink::open() {
 std::optional<ServerLink::Change> ServerLink::next_change() {
   while (true) {
     zmq::message_t event;
-    if (!monitor_.recv(event, zmq::recv_flags::dontwait)) return std::nullopt;
+    if (!monitor_.recv(event, zmq::recv_flags::dontwait)) return change_of_greeting();
     zmq::message_t address;
     (void)monitor_.recv(address, zmq::recv_flags::none);
     std::uint16_t number = 0;
@@ -107,6 +108,7 @@ std::optional<ServerLink::Change> ServerLink::change_of(std::uint16_t event, std
   switch (event) {
     case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
       renewal_.reset();
+      greeting_.reset();
       return Change{Kind::kConnected, {}};
     case ZMQ_EVENT_DISCONNECTED:
       return Change{Kind::kDisconnected, {}};
@@ -119,8 +121,24 @@ std::optional<ServerLink::Change> ServerLink::change_of(std::uint16_t event, std
       return Change{Kind::kRefused, no_handshake(endpoint_, keys_ != nullptr)};
     default:
       // A server that goes down; or one of another mechanism, where it was the first to notice.
+      if (endpoint_.starts_with("tcp://")) greeting_.emplace(*context_, endpoint_);
       return Change{Kind::kRefused, no_handshake(endpoint_, keys_ != nullptr)};
   }
+}
+
+std::optional<ServerLink::Change> ServerLink::change_of_greeting() {
+  if (!greeting_) return std::nullopt;
+  const auto mechanism = greeting_->mechanism();
+  if (!mechanism) return std::nullopt;
+  greeting_.reset();
+  if (*mechanism == (keys_ != nullptr ? "CURVE" : "NULL")) return std::nullopt;
+  return Change{Change::Kind::kRefused, refusal_of_mechanism(endpoint_, keys_ != nullptr)};
+}
+
+void ServerLink::add_items(std::vector<zmq::pollitem_t>& items) {
+  items.push_back({socket_.handle(), 0, ZMQ_POLLIN, 0});
+  items.push_back({monitor_.handle(), 0, ZMQ_POLLIN, 0});
+  if (greeting_) items.push_back(greeting_->item());
 }
 
 void ServerLink::renew_later(TimePoint now) {

@@ -7,6 +7,7 @@
 
 #include "graspd/client/dispatcher.hpp"
 #include "graspd/keys/key_files.hpp"
+#include "greeting.hpp"
 
 namespace graspd::client {
 
@@ -35,12 +36,13 @@ class ServerLink {
   void renew_if_due(TimePoint now);
   std::optional<TimePoint> renewal() const { return renewal_; }
 
-  zmq::pollitem_t socket_item() { return {socket_.handle(), 0, ZMQ_POLLIN, 0}; }
-  zmq::pollitem_t monitor_item() { return {monitor_.handle(), 0, ZMQ_POLLIN, 0}; }
+  /// Adds what this link has to be woken for.
+  void add_items(std::vector<zmq::pollitem_t>& items);
 
  private:
   void open();
   std::optional<Change> change_of(std::uint16_t event, std::uint32_t value);
+  std::optional<Change> change_of_greeting();
 
   zmq::context_t* context_;
   std::string endpoint_;
@@ -50,6 +52,7 @@ class ServerLink {
   std::optional<TimePoint> renewal_;
   zmq::socket_t socket_;
   zmq::socket_t monitor_;
+  std::optional<Greeting> greeting_;  ///< where the server hung up and nobody knows why
 };
 
 }  // namespace graspd::client

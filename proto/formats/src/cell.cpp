@@ -66,7 +66,6 @@ std::string matrix_yaml(std::string_view key, int rows, int cols, const std::vec
 
 Result<CameraCalibration> read_camera(const std::filesystem::path& path) {
   CameraCalibration calibration;
-  calibration.T_base_camera = looking_down();
   YamlDocument document(path);
   YamlMap root = document.root();
   CameraIntrinsics& camera = calibration.camera;
@@ -94,7 +93,9 @@ Result<CameraCalibration> read_camera(const std::filesystem::path& path) {
     root.has(informational);
   }
   root.optional("depth_scale_m", calibration.depth_scale_m);
-  root.optional("T_base_camera", calibration.T_base_camera);
+  if (root.has("T_base_camera")) {
+    root.required("T_base_camera", calibration.T_base_camera.emplace());
+  }
   if (root.has("depth_correction")) {
     calibration.depth_correction = read_depth_correction(root.map("depth_correction"));
   }
@@ -107,7 +108,6 @@ Result<CameraCalibration> read_camera(const std::filesystem::path& path) {
 
 Result<void> write_camera(const std::filesystem::path& path, const CameraCalibration& calibration) {
   const CameraIntrinsics& camera = calibration.camera;
-  const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = calibration.T_base_camera.matrix();
   std::ofstream file(path);
   file << fmt::format("%YAML:1.0\n---\nimage_width: {}\nimage_height: {}\n", camera.width_px,
                       camera.height_px)
@@ -115,8 +115,11 @@ Result<void> write_camera(const std::filesystem::path& path, const CameraCalibra
                       {camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1})
        << matrix_yaml("distortion_coefficients", 1, 5,
                       {camera.distortion.begin(), camera.distortion.end()})
-       << fmt::format("depth_scale_m: {}\nT_base_camera: [{}]\n", calibration.depth_scale_m,
-                      fmt::join(T.data(), T.data() + T.size(), ", "));
+       << fmt::format("depth_scale_m: {}\n", calibration.depth_scale_m);
+  if (const auto& pose = calibration.T_base_camera) {
+    const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = pose->matrix();
+    file << fmt::format("T_base_camera: [{}]\n", fmt::join(T.data(), T.data() + T.size(), ", "));
+  }
   if (const auto& correction = calibration.depth_correction) {
     file << fmt::format(
         "depth_correction:\n  offset_m: [{}]\n  slope: [{}]\n  reference_m: {}\n"

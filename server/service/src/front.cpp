@@ -70,13 +70,13 @@ Front::Impl::~Impl() {
 void Front::Impl::run() {
   test_authentication();
   while (!finished()) {
-    wait();
-    read_stop();
+    const Woken woken = wait();
+    if (woken.stop) read_stop();
     read_reload();
     tend_authentication();
-    read_control();
-    read_workers();
-    read_data();
+    if (woken.control) read_control();
+    if (woken.workers) read_workers();
+    if (woken.data) read_data();
     tend_workers();
     expire();
     dispatch();
@@ -110,11 +110,12 @@ std::unique_ptr<Front::Impl::Crew> Front::Impl::make_crew(ServerFacts facts,
       Crew{std::move(facts), std::move(part_ids), nullptr, std::move(workers)});
 }
 
-void Front::Impl::wait() {
+Front::Impl::Woken Front::Impl::wait() {
   std::vector<zmq::pollitem_t> items{{data_.handle(), 0, ZMQ_POLLIN, 0},
                                      {control_.handle(), 0, ZMQ_POLLIN, 0},
-                                     {workers_.handle(), 0, ZMQ_POLLIN, 0}};
-  for (const int fd : {options_.stop_fd, options_.reload_fd, loaded_fd_}) {
+                                     {workers_.handle(), 0, ZMQ_POLLIN, 0},
+                                     {nullptr, options_.stop_fd, ZMQ_POLLIN, 0}};
+  for (const int fd : {options_.reload_fd, loaded_fd_}) {
     if (fd >= 0) items.push_back({nullptr, fd, ZMQ_POLLIN, 0});
   }
   const TimePoint now = Clock::now();
@@ -130,6 +131,8 @@ void Front::Impl::wait() {
   }
   // A millisecond later rather than a busy turn before.
   poll(items, std::max(milliseconds(0), std::chrono::ceil<milliseconds>(wake - now)));
+  const auto readable = [&](std::size_t item) { return (items[item].revents & ZMQ_POLLIN) != 0; };
+  return {readable(0), readable(1), readable(2), readable(3)};
 }
 
 void Front::Impl::read_stop() {

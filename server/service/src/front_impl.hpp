@@ -59,10 +59,17 @@ class Front::Impl {
     zmq::message_t kept_payload;
   };
   using Jobs = std::map<Ticket, Job>;
+  /// Where something is to be read: each look at a socket or descriptor is a call of the kernel.
+  struct Woken {
+    bool data = false;
+    bool control = false;
+    bool workers = false;
+    bool stop = false;
+  };
 
   // The loop's steps.
   bool finished();
-  void wait();
+  Woken wait();
   void read_stop();
   void read_control();
   void read_workers();

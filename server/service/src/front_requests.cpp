@@ -168,8 +168,8 @@ void Front::Impl::conclude(Crew& crew, const std::string& identity, Message mess
   finish(ticket, code == Code::kOk || code == Code::kDeadlineExceeded);
   const Job& job = jobs_.at(ticket);
   if (!job.answered) {
+    send_to_clients(job, std::move(message.frames.at(5)));  // first: nobody waits for the log
     tell(job, code, decode_work_report(message.frames.at(4).to_string_view()));
-    send_to_clients(job, std::move(message.frames.at(5)));
   }
   jobs_.erase(ticket);
 }

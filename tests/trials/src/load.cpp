@@ -70,6 +70,7 @@ void ClosedLoop::stop() {
 
 void run_open_loop(const LoadOptions& options, double rate_hz, int requests_n, History& history) {
   const auto clients = make_clients(options);
+  for (const auto& client : clients) (void)client->health();  // connected from here on
   const std::vector<Question> questions = make_questions(options.script);
   const int threads_n = options.cells_n * options.in_flight_n;
   const TimePoint start = Clock::now();

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <span>
+
 #include "namespaces.hpp"
 #include "trial_servers.hpp"
 
@@ -56,28 +58,42 @@ void apply(LinkFault fault, const Machine& machine) {
   }
 }
 
-}  // namespace
-
-Seen one_of_two_links_is_bad(LinkFault fault, std::chrono::milliseconds length) {
+/// \param bad_n of the two links
+Seen with_bad_links(LinkFault fault, std::size_t bad_n, std::chrono::milliseconds length,
+                    const client::DispatchOptions& dispatch) {
   const NetworkNamespace clients;
   const Keyring keys({"cell_0", "cell_1", "cell_2", "cell_3"});
-  const Machine bad(1, clients, keys);
-  const Machine good(2, clients, keys);
+  const Machine machines[]{{1, clients, keys}, {2, clients, keys}};
+  const std::span bad(machines, bad_n);
   History history;
   clients.in([&] {
-    LoadOptions options = cells_of({bad.endpoint(), good.endpoint()}, 4);
+    LoadOptions options = cells_of({machines[0].endpoint(), machines[1].endpoint()}, 4);
     options.keys = keys.of_cells();
-    options.dispatch.attempt_timeout = kLinkAttempt;
+    options.dispatch = dispatch;
     ClosedLoop load(options, history);
     history.wait_for(50);
-    apply(fault, bad);
+    for (const Machine& machine : bad) apply(fault, machine);
     const TimePoint until = Clock::now() + length;
     while (Clock::now() < until) history.wait_for(1);
-    if (fault != LinkFault::k20Mbit) bad.lose_nothing();
+    for (const Machine& machine : bad) {
+      if (fault != LinkFault::k20Mbit) machine.lose_nothing();
+    }
     history.wait_for(50);
     load.stop();
   });
   return seen_in(history);
+}
+
+}  // namespace
+
+Seen one_of_two_links_is_bad(LinkFault fault, std::chrono::milliseconds length) {
+  client::DispatchOptions dispatch;
+  dispatch.attempt_timeout = kLinkAttempt;
+  return with_bad_links(fault, 1, length, dispatch);
+}
+
+Seen both_links_are_bad(LinkFault fault, std::chrono::milliseconds length) {
+  return with_bad_links(fault, 2, length, {});
 }
 
 }  // namespace graspd::trials

@@ -24,6 +24,7 @@ PickLine pick_line(const Json& json) {
   for (const Json& over : json.value("passed_over", Json::array())) {
     line.passed_over.push_back(over.at("reason"));
   }
+  line.is_alarmed = json.contains("alarm");
   const Json& ms = json.at("ms");
   for (const char* step : {"acquire", "plan", "choose"}) {
     line.steps_ms.emplace_back(step, ms.at(step));

@@ -32,8 +32,10 @@ struct DispatchOptions {
 /// server that let an attempt's time pass is quarantined: asked only where there is nobody else,
 /// and then by one call at a time, until it answers. Where an attempt gets no answer, is shed
 /// (BUSY, DRAINING) or loses its connection, the next one goes to another server where there is
-/// one. Retries are at most a tenth of all calls in the long run, so that clients don't bury
-/// servers that are in trouble. Not thread-safe; time comes in with each call.
+/// one. Retries after silence and shedding are at most a tenth of all calls in the long run, so
+/// that clients don't bury servers that are in trouble. A lost connection is no such sign: it has
+/// to be made again first, and a server does not compute twice at a time what it is asked again.
+/// Not thread-safe; time comes in with each call.
 class Dispatcher {
  public:
   Dispatcher(std::vector<std::string> endpoints, DispatchOptions options, std::uint64_t seed);
@@ -85,6 +87,7 @@ class Dispatcher {
     TimePoint deadline;
     std::optional<std::size_t> only;
     std::uint32_t attempts_n = 0;
+    bool costs_token = false;           ///< the next attempt does
     std::optional<std::size_t> server;  ///< while in flight
     TimePoint sent;                     ///< the attempt in flight
     TimePoint not_before;

@@ -13,20 +13,20 @@ namespace graspd {
 struct CameraCalibration {
   CameraIntrinsics camera;
   double depth_scale_m = 0.001;
-  Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Isometry3d> T_base_camera;
   std::optional<DepthCorrection> depth_correction;
 };
 
 /// Reads an OpenCV calibration file (image_width, image_height, camera_matrix,
 /// distortion_coefficients), with our optional keys depth_scale_m, T_base_camera (16 numbers row by
-/// row, metres) and depth_correction (the members of DepthCorrection). Where T_base_camera is
-/// absent, the camera looks straight down: base z is −z of the optical frame.
+/// row, metres) and depth_correction (the members of DepthCorrection).
 Result<CameraCalibration> read_camera(const std::filesystem::path& path);
 /// What `read_camera` reads again.
 Result<void> write_camera(const std::filesystem::path& path, const CameraCalibration& calibration);
 
-/// The camera's pose in a base whose origin is at the camera and whose z points up, for a camera
-/// that looks straight down.
+/// The camera's pose in a base whose origin is at the camera and whose z points up (−z of the
+/// optical frame), for a camera that looks straight down: where nobody says another, and nothing
+/// moves.
 Eigen::Isometry3d looking_down();
 
 /// The keys of a `bin:` section: T_base_bin, inner_size_m, wall_thickness_m.

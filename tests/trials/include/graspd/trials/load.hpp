@@ -54,7 +54,8 @@ class ClosedLoop {
 };
 
 /// Asks at planned instants, whether or not earlier questions are answered, and counts time from
-/// those instants, so that a server that is slow can't slow the clock down. Cells take turns.
+/// those instants, so that a server that is slow can't slow the clock down. Cells take turns; they
+/// are connected before the first one.
 /// At most cells × in_flight_n are in flight: make that rate × budget.
 void run_open_loop(const LoadOptions& options, double rate_hz, int requests_n, History& history);
 

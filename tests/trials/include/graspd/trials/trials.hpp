@@ -96,6 +96,9 @@ inline constexpr std::chrono::milliseconds kLinkAttempt{500};
 /// Two servers and their clients in network namespaces, with keys; the link to one server is bad
 /// for `length` (of 20 Mb/s, to the end). Needs what `why_no_namespaces` says.
 Seen one_of_two_links_is_bad(LinkFault fault, std::chrono::milliseconds length);
+/// The same fault on both, with the clients' usual `attempt_timeout`: requests may fail, by a named
+/// error and within their budget.
+Seen both_links_are_bad(LinkFault fault, std::chrono::milliseconds length);
 /// Empty where network namespaces can be made here; otherwise a sentence.
 std::string why_no_namespaces();
 

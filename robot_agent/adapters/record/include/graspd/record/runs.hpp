@@ -21,6 +21,7 @@ struct PickLine {
   std::string part;  ///< of the grasp that was chosen; without one it is no pick
   std::string verdict;
   std::vector<std::string> passed_over;  ///< the reasons
+  bool is_alarmed = false;               ///< it raised the drift alarm
   std::vector<std::pair<std::string, double>>
       steps_ms;  ///< acquire, plan, choose, then the robot's
 

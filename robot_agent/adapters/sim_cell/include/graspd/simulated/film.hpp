@@ -7,7 +7,8 @@
 
 namespace graspd::agent {
 
-/// An animation of a simulated cell at work, in steps of its own time.
+/// An animation of a simulated cell at work, from its beginning to its end: however long that
+/// takes, of at most so many pictures, in equal steps of the cell's own time.
 class Film {
  public:
   /// From now on pictures are taken. \param cell must outlive the film
@@ -17,11 +18,16 @@ class Film {
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
-  /// As a GIF.
+  /// As a GIF, that ends with the cell as it is now.
   Result<void> write(const std::filesystem::path& path) const;
 
  private:
+  void take();
+
   sim_cell::PhysicsCell& cell_;
+  sim_cell::PictureView view_;
+  std::size_t instants_n_ = 0;
+  std::size_t stride_ = 1;  ///< of the instants, a picture is taken at every so many
   std::vector<sim_cell::Picture> pictures_;
 };
 
