@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -152,6 +153,45 @@ TEST_F(PoseKernel, IcpEquationsAreThoseOfTheSinglePoints) {
     }
   }
   EXPECT_GT(used_n, 100);
+}
+
+TEST_F(PoseKernel, WeighsSupportPointByPoint) {
+  constexpr SupportWeights kWeights{0.008F, 4, 0.5F, 0.9F, 0.5F};
+  std::vector<Vector3f> normals(cells_.size(), Vector3f::Zero());
+  for (Vector3f& normal : normals) {
+    if (random_() % 4 != 0) normal = testing::random_point(random_, 1).normalized();
+  }
+  float all = 0;
+  for (int round = 0; round < 100; ++round) {
+    draw(1 + random_() % 90);
+    std::vector<std::int32_t> cells(surface_.points.size + 16);
+    std::vector<float> z_m(cells.size());
+    project_points(depth_, pose_, surface_.points, cells.data(), z_m.data());
+    const Eigen::Matrix3f R =
+        Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(pose_.R);
+    float expected = 0;
+    for (std::size_t i = 0; i < surface_.points.size; ++i) {
+      const Vector3f p = R * Vector3f(x_[i], y_[i], z_[i]) + Vector3f(0, 0, pose_.t_m[2]);
+      EXPECT_NEAR(z_m[i], p.z(), 1e-6F);
+      const auto u = static_cast<int>(std::nearbyint(p.x() / p.z() * 365 + 31));
+      const auto v = static_cast<int>(std::nearbyint(p.y() / p.z() * 365 + 23));
+      const bool is_inside = u > 0 && v > 0 && u < kWidth - 1 && v < kHeight - 1;
+      ASSERT_EQ(cells[i], is_inside ? v * kWidth + u : 0);
+      const auto cell = static_cast<std::size_t>(cells[i]);
+      const std::uint32_t reading = cells_[cell] & 0xFFFFU;
+      const float error = (float(reading) * PackedDepth::kUnit_m - p.z()) / kWeights.tolerance_m;
+      if (reading == 0 || std::abs(error) > 1) continue;
+      const float cosine = normals[cell].dot(R * Vector3f(nx_[i], ny_[i], nz_[i]));
+      const float agreement =
+          normals[cell].isZero() ? 1 : std::clamp((cosine - 0.5F) / 0.4F, 0.0F, 1.0F);
+      const float closeness = (1 - error * error + std::max(0.0F, 1 - 4 * error * error)) / 2;
+      expected += closeness * (1 - 0.5F * (1 - agreement));
+    }
+    EXPECT_NEAR(weigh_support(depth_, normals.front().data(), pose_, surface_, kWeights), expected,
+                1e-3F);
+    all += expected;
+  }
+  EXPECT_GT(all, 100);
 }
 
 }  // namespace

@@ -142,6 +142,11 @@ void add_samples(const Eigen::Vector3f& anchor_m, const DepthMap& map, float dia
 
 }  // namespace
 
+std::array<float, 3> PoseTemplates::polar(const Eigen::Vector3f& normal) {
+  return {normal.head<2>().norm(), normal.z(),
+          std::atan2(normal.y(), normal.x()) / (2 * std::numbers::pi_v<float>)*kTurns};
+}
+
 PoseTemplates make_pose_templates(std::span<const View> views, const PointArrays& points,
                                   double diameter_m, double cell_m, const Symmetries& symmetries) {
   PoseTemplates templates;
@@ -161,17 +166,18 @@ PoseTemplates make_pose_templates(std::span<const View> views, const PointArrays
     for (const std::size_t i :
          choose_anchors(seen_m, map, kAnchorSpacing * static_cast<float>(diameter_m))) {
       const Eigen::Vector3f normal = R_view_part * points.normal(view.first + i);
-      templates.nx.push_back(normal.x());
-      templates.ny.push_back(normal.y());
-      templates.nz.push_back(normal.z());
+      const auto [sine, cosine, turns] = PoseTemplates::polar(normal);
+      templates.normal_sine.push_back(sine);
+      templates.normal_cosine.push_back(cosine);
+      templates.normal_turns.push_back(turns);
       templates.anchors_m.push_back(points.position_m(view.first + i));
       templates.views.push_back(static_cast<std::uint32_t>(templates.R_view_part.size()));
       add_samples(seen_m[i], map, static_cast<float>(diameter_m), templates);
     }
     templates.R_view_part.push_back(R_view_part);
   }
-  for (auto* normals : {&templates.nx, &templates.ny, &templates.nz}) {
-    normals->resize(normals->size() + PoseTemplates::kReadAhead);
+  for (auto* array : {&templates.normal_sine, &templates.normal_cosine, &templates.normal_turns}) {
+    array->resize(array->size() + PoseTemplates::kReadAhead);
   }
   return templates;
 }

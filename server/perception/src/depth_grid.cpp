@@ -76,9 +76,9 @@ void DepthGrid::take_for_floor(std::size_t cell) {
   packed[cell] &= ~0xFFFFU;
 }
 
-void DepthGrid::claim(const std::vector<std::size_t>& cells) {
+void DepthGrid::claim(const std::vector<std::uint32_t>& cells) {
   const auto around = offsets_around(*this);
-  for (const std::size_t cell : cells) {
+  for (const std::uint32_t cell : cells) {
     is_claimed[cell] = 1;
     packed[cell] = kInFront | kInFront << kHighBits;
     for (const std::ptrdiff_t offset : around) {

@@ -4,6 +4,7 @@
 
 #include "parallel.hpp"
 #include "selection.hpp"
+#include "supporting_cells.hpp"
 
 namespace graspd::perception {
 namespace {
@@ -13,8 +14,8 @@ constexpr double kClaimTolerance_m = 0.01;
 constexpr double kSamePartShare = 0.2;
 /// A rough pose is refined where it is among so many best at some share of its readings. More of
 /// them found hardly more parts.
-constexpr int kRivals = 4;
-constexpr double kRivalShare = 0.15;
+constexpr int kRivals = 3;
+constexpr double kRivalShare = 0.2;
 
 /// How far the pose reaches through the floor: its vertices, so that no sample between them is
 /// needed.
@@ -55,18 +56,18 @@ void sort_by_area(const PoseVerifier& verifier, std::vector<PoseHypothesis>& pos
 void keep_promising(const DepthGrid& grid, const PoseVerifier& verifier,
                     const RegistrationParameters& parameters, std::vector<PoseHypothesis>& poses) {
   sort_by_area(verifier, poses);
+  const SupportingCells supporting(grid, verifier, poses, parameters.coarse_tolerance_m);
   std::vector<std::uint8_t> rivals_n(grid.size(), 0);
-  CellMarks marks(grid.size());
-  std::vector<std::size_t> cells;
-  std::erase_if(poses, [&](const PoseHypothesis& pose) {
-    verifier.supporting_cells(pose, parameters.coarse_tolerance_m, marks, cells);
-    const auto contested_n = std::count_if(
-        cells.begin(), cells.end(), [&](std::size_t cell) { return rivals_n[cell] >= kRivals; });
-    const auto open_n = static_cast<double>(cells.size()) - static_cast<double>(contested_n);
-    if (open_n <= kRivalShare * static_cast<double>(cells.size())) return true;
-    for (const std::size_t cell : cells) rivals_n[cell] += rivals_n[cell] < kRivals;
-    return false;
-  });
+  std::size_t kept_n = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto cells = supporting.of(i);
+    const auto open_n =
+        std::ranges::count_if(cells, [&](std::uint32_t cell) { return rivals_n[cell] < kRivals; });
+    if (static_cast<double>(open_n) <= kRivalShare * static_cast<double>(cells.size())) continue;
+    for (const std::uint32_t cell : cells) rivals_n[cell] += rivals_n[cell] < kRivals;
+    poses[kept_n++] = poses[i];
+  }
+  poses.resize(kept_n);
 }
 
 /// Refines each as if it were alone, and drops what the image or the floor refuses.
@@ -99,16 +100,15 @@ void refine_alone(const PoseVerifier& verifier, const Scene& scene,
 std::vector<std::uint32_t> choose(const DepthGrid& grid, const PoseVerifier& verifier,
                                   const RegistrationParameters& parameters,
                                   const std::vector<PoseHypothesis>& poses) {
+  const SupportingCells supporting(grid, verifier, poses, parameters.inlier_tolerance_m);
   std::vector<Candidate> candidates;
   candidates.reserve(poses.size());
-  CellMarks marks(grid.size());
-  std::vector<std::size_t> cells;
-  for (const PoseHypothesis& pose : poses) {
-    verifier.supporting_cells(pose, parameters.inlier_tolerance_m, marks, cells);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const PoseHypothesis& pose = poses[i];
     const float pixel_m = pose.t_m.z() / grid.fx_px;
     const auto reach_m = static_cast<float>(kSamePartShare * verifier.part(pose).diameter_m);
     candidates.push_back({verifier.barycentre_m(pose), reach_m, verifier.explained_area_m2(pose),
-                          pixel_m * pixel_m, cells});
+                          pixel_m * pixel_m, supporting.of(i)});
   }
   return choose_explanation(candidates, grid.size());
 }

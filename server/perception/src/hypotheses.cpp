@@ -146,12 +146,11 @@ class SeedView {
       reading.depths[i] = reading.depths[i + SampledReading::kSamples] =
           static_cast<std::int8_t>(std::clamp(behind, -127.0F, 127.0F));
     }
-    const Eigen::Vector3f normal = R_camera_ray_.transpose() * seed_.normal;
-    for (std::size_t k = 0; k < PoseTemplates::kTurns; ++k) {
-      reading.nx[k] = kRing[k].x() * normal.x() + kRing[k].y() * normal.y();
-      reading.ny[k] = kRing[k].x() * normal.y() - kRing[k].y() * normal.x();
-      reading.nz[k] = normal.z();
-    }
+    const auto [sine, cosine, turns] =
+        PoseTemplates::polar(R_camera_ray_.transpose() * seed_.normal);
+    reading.normal_sine = sine;
+    reading.normal_cosine = cosine;
+    reading.normal_turns = turns;
     return reading;
   }
 
@@ -169,20 +168,6 @@ class SeedView {
   const DepthGrid& grid_;
   const Seed& seed_;
 };
-
-/// Brings the `most` best matches to the front, best first. \returns how many there are.
-std::size_t keep_best(TemplateMatches& matches, int most) {
-  const auto better = [](const TemplateMatch& a, const TemplateMatch& b) {
-    if (a.score != b.score) return a.score > b.score;
-    return a.index != b.index ? a.index < b.index : a.turn < b.turn;
-  };
-  const std::size_t count = std::min(matches.kept_n, static_cast<std::size_t>(most));
-  const auto first = matches.kept.begin();
-  const auto last = first + static_cast<std::ptrdiff_t>(matches.kept_n);
-  std::nth_element(first, first + static_cast<std::ptrdiff_t>(count), last, better);
-  std::sort(first, first + static_cast<std::ptrdiff_t>(count), better);
-  return count;
-}
 
 void sort_best_first(Poses& poses) {
   std::sort(poses.begin(), poses.end(),
@@ -214,12 +199,12 @@ Proposed propose(const DepthGrid& grid, const PoseVerifier& verifier, const Seed
   if (!seed.normal.isZero()) {
     limits.min_cosine = static_cast<float>(std::cos(parameters.normal_tolerance_rad));
   }
+  limits.most_n = static_cast<std::size_t>(parameters.templates_per_seed_n);
   const SeedView view(grid, seed);
   match_templates(templates, view.sample(diameter_m), limits, memory.matches);
 
-  const std::size_t count = keep_best(memory.matches, parameters.templates_per_seed_n);
   memory.poses.clear();
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < memory.matches.kept_n; ++i) {
     PoseHypothesis pose;
     pose.part = part_index;
     view.lay(templates, memory.matches.kept[i], pose);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace graspd::perception {
@@ -12,6 +13,7 @@ constexpr float kFirstStep_m = 0.003F;
 constexpr float kLastStep_m = 0.0006F;
 constexpr int kMaxSteps = 6;
 constexpr int kFinalIcpSteps = 3;
+constexpr std::size_t kBlock = 128;   ///< of points that are projected at once
 constexpr double kIcpDamping = 0.02;  ///< of the number of points
 /// A normal that agrees counts fully, one that is off by 60° only as half: normals of the image are
 /// off by 10° to 20°.
@@ -33,12 +35,6 @@ KernelPose for_kernel(const PoseHypothesis& pose) {
 
 PointSpan span_of(const parts::PointArrays& points, std::size_t first, std::size_t count) {
   return {points.x_m.data() + first, points.y_m.data() + first, points.z_m.data() + first, count};
-}
-
-/// The leading points of a view.
-PointSpan seen_points(const parts::Part& part, const parts::View& seen, std::size_t most) {
-  return span_of(part.registration.points(), seen.first,
-                 std::min<std::size_t>(most, seen.points_n));
 }
 
 /// Turns the pose about a point of the camera frame.
@@ -87,6 +83,13 @@ const parts::View& PoseVerifier::view(const PoseHypothesis& pose) const {
   return part(pose).registration.view_from(-(pose.R.transpose() * pose.t_m));
 }
 
+SurfaceSpan PoseVerifier::seen_surface(const PoseHypothesis& pose, std::size_t most) const {
+  const parts::PointArrays& all = part(pose).registration.points();
+  const parts::View& seen = view(pose);
+  return {span_of(all, seen.first, std::min<std::size_t>(most, seen.points_n)),
+          all.nx.data() + seen.first, all.ny.data() + seen.first, all.nz.data() + seen.first};
+}
+
 Eigen::Vector3f PoseVerifier::barycentre_m(const PoseHypothesis& pose) const {
   return pose.in_camera(part(pose).barycentre_m.cast<float>());
 }
@@ -99,7 +102,7 @@ void PoseVerifier::set_score(PoseHypothesis& pose, float support) const {
 
 bool PoseVerifier::score(PoseHypothesis& pose, std::size_t points_n, double tolerance_m,
                          const EarlyStop& stop) const {
-  const PointSpan points = seen_points(part(pose), view(pose), points_n);
+  const PointSpan points = seen_surface(pose, points_n).points;
   pose.counts = count_evidence(grid_.for_kernel(), for_kernel(pose), points,
                                static_cast<float>(tolerance_m), stop);
   if (static_cast<std::size_t>(pose.counts.tested_n) < points.size) return false;
@@ -113,24 +116,10 @@ bool PoseVerifier::score(PoseHypothesis& pose, std::size_t points_n, double tole
 std::optional<Refusal> PoseVerifier::score_finally(PoseHypothesis& pose) const {
   score(pose, kAllPoints, parameters_.inlier_tolerance_m);
   const float fit = pose.fit;
-  const parts::PointArrays& points = part(pose).registration.points();
-  const parts::View& seen = view(pose);
-  float support = 0;
-  for (std::uint32_t i = seen.first; i < seen.first + seen.points_n; ++i) {
-    const Eigen::Vector3f p_m = pose.in_camera(points.position_m(i));
-    const std::size_t cell = grid_.cell_of(p_m);
-    if (cell >= grid_.z_m.size() || !grid_.can_support(cell)) continue;
-    const float error =
-        (grid_.z_m[cell] - p_m.z()) / static_cast<float>(parameters_.inlier_tolerance_m);
-    if (std::abs(error) > 1) continue;
-    const float cosine =
-        grid_.normals[cell].isZero() ? 1 : grid_.normals[cell].dot(pose.R * points.normal(i));
-    const float agreement =
-        std::clamp((cosine - kOpposingCosine) / (kAgreeingCosine - kOpposingCosine), 0.0F, 1.0F);
-    const float error2 = error * error;
-    const float closeness = (1 - error2 + std::max(0.0F, 1 - kSmallError2 * error2)) / 2;
-    support += closeness * (1 - kNormalWeight * (1 - agreement));
-  }
+  const float support = weigh_support(
+      grid_.for_kernel(), grid_.normals.front().data(), for_kernel(pose), seen_surface(pose),
+      {static_cast<float>(parameters_.inlier_tolerance_m), kSmallError2, kNormalWeight,
+       kAgreeingCosine, kOpposingCosine});
   set_score(pose, support);
   pose.fit = fit;
   const auto refused = refusal(pose);
@@ -177,15 +166,11 @@ float PoseVerifier::leftover_share(const PoseHypothesis& pose) const {
 
 void PoseVerifier::icp_step(PoseHypothesis& pose, std::size_t points_n, double tolerance_m) const {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
-  const parts::PointArrays& all = part(pose).registration.points();
-  const parts::View& seen = view(pose);
-  const SurfaceSpan surface{seen_points(part(pose), seen, points_n), all.nx.data() + seen.first,
-                            all.ny.data() + seen.first, all.nz.data() + seen.first};
   const Eigen::Vector3f centre_m = barycentre_m(pose);
   // Turns in units of the part's radius: all six unknowns are alike in size.
   const auto radius_m = static_cast<float>(part(pose).diameter_m / 2);
   const NormalEquations equations = icp_equations(
-      grid_.for_kernel(), for_kernel(pose), surface,
+      grid_.for_kernel(), for_kernel(pose), seen_surface(pose, points_n),
       {{centre_m.x(), centre_m.y(), centre_m.z()}, radius_m}, static_cast<float>(tolerance_m));
   if (equations.points_n < 6) return;
   Eigen::Matrix<double, 6, 6> A;
@@ -196,7 +181,7 @@ void PoseVerifier::icp_step(PoseHypothesis& pose, std::size_t points_n, double t
   }
   A.diagonal().array() += kIcpDamping * equations.points_n;
   const Vector6 step =
-      A.ldlt().solve(Eigen::Map<const Eigen::Matrix<float, 6, 1>>(equations.b).cast<double>());
+      A.llt().solve(Eigen::Map<const Eigen::Matrix<float, 6, 1>>(equations.b).cast<double>());
   const Eigen::Vector3f rotation = (step.head<3>() / static_cast<double>(radius_m)).cast<float>();
   const float angle_rad = rotation.norm();
   if (angle_rad > 1e-9F) {
@@ -250,41 +235,47 @@ std::optional<Refusal> PoseVerifier::refine(PoseHypothesis& pose) const {
   return score_finally(pose);
 }
 
-std::vector<std::size_t> PoseVerifier::explained_cells(const PoseHypothesis& pose,
-                                                       double tolerance_m) const {
+std::vector<std::uint32_t> PoseVerifier::explained_cells(const PoseHypothesis& pose,
+                                                         double tolerance_m) const {
   // The points are about a pixel apart.
-  const auto stride = static_cast<std::ptrdiff_t>(grid_.width_px);
-  const std::ptrdiff_t around[] = {0, -1, 1, -stride, stride};
+  const std::int32_t around[] = {0, -1, 1, -grid_.width_px, grid_.width_px};
   CellMarks marks(grid_.size());
-  std::vector<std::size_t> cells;
-  add_open_cells(pose, tolerance_m, around, marks, cells);
+  std::vector<std::uint32_t> cells(std::size(around) * view(pose).points_n);
+  cells.resize(open_cells(pose, tolerance_m, around, marks, cells.data()));
   return cells;
 }
 
-void PoseVerifier::supporting_cells(const PoseHypothesis& pose, double tolerance_m,
-                                    CellMarks& marks, std::vector<std::size_t>& cells) const {
-  const std::ptrdiff_t itself[] = {0};
+std::size_t PoseVerifier::supporting_cells(const PoseHypothesis& pose, double tolerance_m,
+                                           CellMarks& marks, std::uint32_t* cells) const {
+  const std::int32_t itself[] = {0};
   marks.clear();
-  cells.clear();
-  add_open_cells(pose, tolerance_m, itself, marks, cells);
+  return open_cells(pose, tolerance_m, itself, marks, cells);
 }
 
-void PoseVerifier::add_open_cells(const PoseHypothesis& pose, double tolerance_m,
-                                  std::span<const std::ptrdiff_t> offsets, CellMarks& marks,
-                                  std::vector<std::size_t>& cells) const {
-  const parts::PointArrays& points = part(pose).registration.points();
-  const parts::View& seen = view(pose);
-  for (std::uint32_t i = seen.first; i < seen.first + seen.points_n; ++i) {
-    const Eigen::Vector3f p_m = pose.in_camera(points.position_m(i));
-    const std::size_t cell = grid_.cell_of(p_m);
-    if (cell >= grid_.z_m.size()) continue;
-    for (const std::ptrdiff_t offset : offsets) {
-      const std::size_t near = cell + static_cast<std::size_t>(offset);
-      const bool explained = grid_.is_open(near) &&
-                             std::abs(grid_.z_m[near] - p_m.z()) <= static_cast<float>(tolerance_m);
-      if (explained && marks.add(near)) cells.push_back(near);
+std::size_t PoseVerifier::open_cells(const PoseHypothesis& pose, double tolerance_m,
+                                     std::span<const std::int32_t> offsets, CellMarks& marks,
+                                     std::uint32_t* cells) const {
+  const PackedDepth depth = grid_.for_kernel();
+  const KernelPose kernel_pose = for_kernel(pose);
+  const PointSpan points = seen_surface(pose).points;
+  const auto most_m = static_cast<float>(tolerance_m);
+  std::array<std::int32_t, kBlock> cells_of;
+  std::array<float, kBlock> z_m;
+  std::uint32_t* next = cells;
+  for (std::size_t first = 0; first < points.size; first += kBlock) {
+    const PointSpan block{points.x_m + first, points.y_m + first, points.z_m + first,
+                          std::min(kBlock, points.size - first)};
+    project_points(depth, kernel_pose, block, cells_of.data(), z_m.data());
+    for (std::size_t i = 0; i < block.size; ++i) {
+      if (cells_of[i] == 0) continue;
+      for (const std::int32_t offset : offsets) {
+        const auto near = static_cast<std::uint32_t>(cells_of[i] + offset);
+        const bool explained = grid_.is_open(near) && std::abs(grid_.z_m[near] - z_m[i]) <= most_m;
+        if (explained && marks.add(near)) *next++ = near;
+      }
     }
   }
+  return static_cast<std::size_t>(next - cells);
 }
 
 }  // namespace graspd::perception

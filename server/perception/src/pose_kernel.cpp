@@ -44,19 +44,22 @@ HWY_INLINE Vector3 in_camera(const KernelPose& pose, const PointSpan& points, st
           hn::Add(p.z, hn::Set(df, pose.t_m[2]))};
 }
 
-/// The packed cells that points project to; 0 beyond the image. \param inverse_z of the points.
+/// The cells that points project to; 0, which holds nothing, for the outermost ones and beyond.
+/// \param inverse_z of the points.
 HWY_INLINE VI cells_of(const PackedDepth& depth, const Vector3& p, VF inverse_z) {
   const auto u = hn::NearestInt(
       hn::MulAdd(hn::Mul(p.x, inverse_z), hn::Set(df, depth.fx_px), hn::Set(df, depth.cx_px)));
   const auto v = hn::NearestInt(
       hn::MulAdd(hn::Mul(p.y, inverse_z), hn::Set(df, depth.fy_px), hn::Set(df, depth.cy_px)));
-  const auto minus_one = hn::Set(di, -1);
+  const auto zero = hn::Zero(di);
   const auto inside =
-      hn::And(hn::And(hn::Gt(u, minus_one), hn::Lt(u, hn::Set(di, depth.width_px))),
-              hn::And(hn::Gt(v, minus_one), hn::Lt(v, hn::Set(di, depth.height_px))));
-  const auto index = hn::IfThenElseZero(
-      inside, hn::Add(hn::Mul(v, hn::Set(di, depth.width_px)), u));  // cell 0 holds nothing
-  return hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(depth.cells), index);
+      hn::And(hn::And(hn::Gt(u, zero), hn::Lt(u, hn::Set(di, depth.width_px - 1))),
+              hn::And(hn::Gt(v, zero), hn::Lt(v, hn::Set(di, depth.height_px - 1))));
+  return hn::IfThenElseZero(inside, hn::Add(hn::Mul(v, hn::Set(di, depth.width_px)), u));
+}
+
+HWY_INLINE VI packed_at(const PackedDepth& depth, VI cells) {
+  return hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(depth.cells), cells);
 }
 
 HWY_INLINE VI low_half(VI packed) { return hn::And(packed, hn::Set(di, 0xFFFF)); }
@@ -75,7 +78,7 @@ PoseCounts count_evidence(const PackedDepth& depth, const KernelPose& pose, cons
     const std::size_t end = std::min(points.size, block + kBlock);
     for (std::size_t i = block; i < end; i += hn::Lanes(df)) {
       const Vector3 p = in_camera(pose, points, i);
-      const auto packed = cells_of(depth, p, hn::Div(hn::Set(df, 1.0F), p.z));
+      const auto packed = packed_at(depth, cells_of(depth, p, hn::Div(hn::Set(df, 1.0F), p.z)));
       const auto reading = low_half(packed);
       const auto nearest = high_half(packed);
       const auto expected = hn::Mul(p.z, hn::Set(df, 1 / PackedDepth::kUnit_m));
@@ -118,7 +121,7 @@ NormalEquations icp_equations(const PackedDepth& depth, const KernelPose& pose,
   for (std::size_t i = 0; i < surface.points.size; i += hn::Lanes(df)) {
     const Vector3 p = in_camera(pose, surface.points, i);
     const auto inverse_z = hn::Div(one, p.z);
-    const auto reading = low_half(cells_of(depth, p, inverse_z));
+    const auto reading = low_half(packed_at(depth, cells_of(depth, p, inverse_z)));
     const auto error_m =
         hn::Sub(hn::Mul(hn::ConvertTo(df, reading), hn::Set(df, PackedDepth::kUnit_m)), p.z);
     const auto is_there = hn::RebindMask(df, hn::Gt(reading, hn::Zero(di)));
@@ -154,6 +157,54 @@ NormalEquations icp_equations(const PackedDepth& depth, const KernelPose& pose,
   return equations;
 }
 
+void project_points(const PackedDepth& depth, const KernelPose& pose, const PointSpan& points,
+                    std::int32_t* cells, float* z_m) {
+  for (std::size_t i = 0; i < points.size; i += hn::Lanes(df)) {
+    const Vector3 p = in_camera(pose, points, i);
+    hn::StoreU(cells_of(depth, p, hn::Div(hn::Set(df, 1.0F), p.z)), di, cells + i);
+    hn::StoreU(p.z, df, z_m + i);
+  }
+}
+
+float weigh_support(const PackedDepth& depth, const float* normals, const KernelPose& pose,
+                    const SurfaceSpan& surface, const SupportWeights& weights) {
+  const auto zero = hn::Zero(df);
+  const auto one = hn::Set(df, 1.0F);
+  const auto half = hn::Set(df, 0.5F);
+  const auto scale = hn::Set(df, 1 / weights.tolerance_m);
+  const auto cosines = hn::Set(df, 1 / (weights.agreeing_cosine - weights.opposing_cosine));
+  auto support = zero;
+  for (std::size_t i = 0; i < surface.points.size; i += hn::Lanes(df)) {
+    const Vector3 p = in_camera(pose, surface.points, i);
+    const auto cells = cells_of(depth, p, hn::Div(one, p.z));
+    const auto reading = low_half(packed_at(depth, cells));
+    const auto error_m =
+        hn::Sub(hn::Mul(hn::ConvertTo(df, reading), hn::Set(df, PackedDepth::kUnit_m)), p.z);
+    const auto error = hn::Mul(error_m, scale);
+    const auto is_there = hn::RebindMask(df, hn::Gt(reading, hn::Zero(di)));
+    const auto valid = hn::And(hn::And(is_there, hn::FirstN(df, surface.points.size - i)),
+                               hn::Le(hn::Abs(error), one));
+
+    const auto first = hn::Mul(cells, hn::Set(di, 3));
+    const Vector3 seen{hn::GatherIndex(df, normals, first), hn::GatherIndex(df, normals + 1, first),
+                       hn::GatherIndex(df, normals + 2, first)};
+    const Vector3 n = rotate(pose, load(surface.nx, surface.ny, surface.nz, i));
+    const auto dot = [](const Vector3& a, const Vector3& b) {
+      return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+    };
+    const auto agreement = hn::Clamp(
+        hn::Mul(hn::Sub(dot(seen, n), hn::Set(df, weights.opposing_cosine)), cosines), zero, one);
+    const auto is_flat = hn::Gt(dot(seen, seen), zero);  // else there is no normal to disagree
+    const auto disagreement = hn::IfThenElseZero(is_flat, hn::Sub(one, agreement));
+    const auto error2 = hn::Mul(error, error);
+    const auto small = hn::Max(zero, hn::NegMulAdd(hn::Set(df, weights.small_error2), error2, one));
+    const auto closeness = hn::Mul(half, hn::Add(hn::Sub(one, error2), small));
+    const auto weight = hn::NegMulAdd(hn::Set(df, weights.normal), disagreement, one);
+    support = hn::Add(support, hn::IfThenElseZero(valid, hn::Mul(closeness, weight)));
+  }
+  return hn::GetLane(hn::SumOfLanes(df, support));
+}
+
 }  // namespace graspd::perception::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -169,6 +220,16 @@ NormalEquations icp_equations(const PackedDepth& depth, const KernelPose& pose,
                               const SurfaceSpan& surface, const TurnCentre& about,
                               float tolerance_m) {
   return HWY_DYNAMIC_DISPATCH(icp_equations)(depth, pose, surface, about, tolerance_m);
+}
+HWY_EXPORT(project_points);
+void project_points(const PackedDepth& depth, const KernelPose& pose, const PointSpan& points,
+                    std::int32_t* cells, float* z_m) {
+  HWY_DYNAMIC_DISPATCH(project_points)(depth, pose, points, cells, z_m);
+}
+HWY_EXPORT(weigh_support);
+float weigh_support(const PackedDepth& depth, const float* normals, const KernelPose& pose,
+                    const SurfaceSpan& surface, const SupportWeights& weights) {
+  return HWY_DYNAMIC_DISPATCH(weigh_support)(depth, normals, pose, surface, weights);
 }
 }  // namespace graspd::perception
 #endif

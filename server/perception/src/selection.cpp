@@ -21,13 +21,13 @@ class CandidatesByCell {
   CandidatesByCell(std::span<const Candidate> candidates, std::size_t cells_n)
       : first_(cells_n + 1, 0) {
     for (const Candidate& candidate : candidates) {
-      for (const std::size_t cell : candidate.cells) ++first_[cell + 1];
+      for (const std::uint32_t cell : candidate.cells) ++first_[cell + 1];
     }
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
     indices_.resize(first_.back());
     std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
     for (std::uint32_t i = 0; i < candidates.size(); ++i) {
-      for (const std::size_t cell : candidates[i].cells) indices_[next[cell]++] = i;
+      for (const std::uint32_t cell : candidates[i].cells) indices_[next[cell]++] = i;
     }
   }
 
@@ -70,20 +70,20 @@ class Selection {
     };
     if (std::any_of(chosen_.begin(), chosen_.end(), is_there_already)) return 0;
     const auto shared_n = std::count_if(candidate.cells.begin(), candidate.cells.end(),
-                                        [&](std::size_t cell) { return explained_n_[cell] > 0; });
+                                        [&](std::uint32_t cell) { return explained_n_[cell] > 0; });
     return candidate.area_m2 - kSharedCost * static_cast<float>(shared_n) * candidate.cell_m2;
   }
 
   void add(std::uint32_t index) {
     is_chosen_[index] = true;
     chosen_.push_back(index);
-    for (const std::size_t cell : candidates_[index].cells) ++explained_n_[cell];
+    for (const std::uint32_t cell : candidates_[index].cells) ++explained_n_[cell];
   }
 
   void remove(std::uint32_t index) {
     is_chosen_[index] = false;
     std::erase(chosen_, index);
-    for (const std::size_t cell : candidates_[index].cells) --explained_n_[cell];
+    for (const std::uint32_t cell : candidates_[index].cells) --explained_n_[cell];
   }
 
   /// Adds of `some` always what gains most, until nothing does.
@@ -128,7 +128,7 @@ class Selection {
 
   bool replace(std::uint32_t index) {
     std::vector<std::uint32_t> rivals;
-    for (const std::size_t cell : candidates_[index].cells) {
+    for (const std::uint32_t cell : candidates_[index].cells) {
       for (const std::uint32_t rival : by_cell_.at(cell)) {
         if (!is_chosen_[rival]) rivals.push_back(rival);
       }

@@ -10,10 +10,10 @@ namespace graspd::perception {
 /// A pose that the image allows, as if it were alone.
 struct Candidate {
   Eigen::Vector3f barycentre_m;
-  float reach_m;                   ///< no other part's barycentre can be nearer
-  float area_m2;                   ///< of the image's surface that it explains
-  float cell_m2;                   ///< of that surface, to a reading
-  std::vector<std::size_t> cells;  ///< the readings that support it
+  float reach_m;                         ///< no other part's barycentre can be nearer
+  float area_m2;                         ///< of the image's surface that it explains
+  float cell_m2;                         ///< of that surface, to a reading
+  std::span<const std::uint32_t> cells;  ///< the readings that support it
 };
 
 /// The candidates that together explain most of the image. A reading that several of them explain

@@ -3,10 +3,40 @@
 #include <hwy/foreach_target.h>
 // After foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
+#include <hwy/contrib/math/math-inl.h>
 
+#include <algorithm>
 #include <bit>
+#include <numbers>
 
 #include "graspd/perception/template_kernel.hpp"
+
+#ifndef GRASPD_TEMPLATE_KERNEL_BEST
+#define GRASPD_TEMPLATE_KERNEL_BEST
+namespace graspd::perception {
+
+inline bool is_better(const TemplateMatch& a, const TemplateMatch& b) {
+  if (a.score != b.score) return a.score > b.score;
+  return a.index != b.index ? a.index < b.index : a.turn < b.turn;
+}
+
+inline auto end_of(TemplateMatches& matches) {
+  return matches.kept.begin() + static_cast<std::ptrdiff_t>(matches.kept_n);
+}
+
+/// Drops all but the best. \returns the score of the worst that is left.
+inline float keep_best(std::size_t most_n, TemplateMatches& matches) {
+  if (matches.kept_n > most_n) {
+    const auto last = matches.kept.begin() + static_cast<std::ptrdiff_t>(most_n) - 1;
+    std::nth_element(matches.kept.begin(), last, end_of(matches), is_better);
+    matches.kept_n = most_n;
+    return last->score;
+  }
+  return 0;
+}
+
+}  // namespace graspd::perception
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace graspd::perception::HWY_NAMESPACE {
@@ -16,6 +46,8 @@ using parts::PoseTemplates;
 
 /// Compared less than this many samples, a score means little.
 constexpr int kFewSamples = 6;
+/// Matches are pruned where there are so many times those that are wanted.
+constexpr std::size_t kSlack = 4;
 
 template <class D, class Mask>
 std::uint64_t bits_of(D d, Mask mask) {
@@ -24,41 +56,48 @@ std::uint64_t bits_of(D d, Mask mask) {
   return bits;
 }
 
-/// The templates whose anchor's normal agrees with the reading's in this turn. \returns how many.
-std::size_t find_candidates(const PoseTemplates& templates, const SampledReading& reading,
-                            std::size_t turn, float min_cosine, std::uint32_t* candidates) {
+/// Of each template the turns in which its anchor's normal agrees with the reading's. The cosine
+/// between them is cos(difference of turns) × product of sines + product of cosines, so that they
+/// are a run.
+void find_turns(const PoseTemplates& templates, const SampledReading& reading, float min_cosine,
+                std::int32_t* first_turn, std::int32_t* turns_n) {
+  constexpr float kLeastSine = 1e-6F;
+  constexpr float kTurnsPerRadian = PoseTemplates::kTurns / (2 * std::numbers::pi_v<float>);
   const hn::CappedTag<float, PoseTemplates::kReadAhead> d;
-  const hn::RebindToUnsigned<decltype(d)> du;
-  const auto x = hn::Set(d, reading.nx[turn]);
-  const auto y = hn::Set(d, reading.ny[turn]);
-  const auto z = hn::Set(d, reading.nz[turn]);
-  std::uint32_t* next = candidates;
+  const hn::RebindToSigned<decltype(d)> di;
+  const auto one = hn::Set(d, 1.0F);
   for (std::size_t i = 0; i < templates.size(); i += hn::Lanes(d)) {
-    const auto cosine = hn::MulAdd(x, hn::LoadU(d, templates.nx.data() + i),
-                                   hn::MulAdd(y, hn::LoadU(d, templates.ny.data() + i),
-                                              hn::Mul(z, hn::LoadU(d, templates.nz.data() + i))));
-    const auto agrees =
-        hn::And(hn::Ge(cosine, hn::Set(d, min_cosine)), hn::FirstN(d, templates.size() - i));
-    // Not CompressStore: to memory, some processors compress a hundred times slower.
-    const auto indices = hn::Iota(du, static_cast<std::uint32_t>(i));
-    hn::StoreU(hn::Compress(indices, hn::RebindMask(du, agrees)), du, next);
-    next += hn::CountTrue(d, agrees);
+    const auto sines =
+        hn::Mul(hn::LoadU(d, templates.normal_sine.data() + i), hn::Set(d, reading.normal_sine));
+    const auto cosines = hn::Mul(hn::LoadU(d, templates.normal_cosine.data() + i),
+                                 hn::Set(d, reading.normal_cosine));
+    const auto needed =
+        hn::Div(hn::Sub(hn::Set(d, min_cosine), cosines), hn::Max(sines, hn::Set(d, kLeastSine)));
+    const auto half =
+        hn::Mul(hn::Acos(d, hn::Clamp(needed, hn::Neg(one), one)), hn::Set(d, kTurnsPerRadian));
+    const auto middle =
+        hn::Sub(hn::Set(d, reading.normal_turns), hn::LoadU(d, templates.normal_turns.data() + i));
+    const auto first = hn::ConvertTo(di, hn::Ceil(hn::Sub(middle, half)));
+    const auto last = hn::ConvertTo(di, hn::Floor(hn::Add(middle, half)));
+    const auto count =
+        hn::Min(hn::Add(hn::Sub(last, first), hn::Set(di, 1)), hn::Set(di, PoseTemplates::kTurns));
+    hn::StoreU(first, di, first_turn + i);
+    hn::StoreU(hn::IfThenElseZero(hn::RebindMask(di, hn::Le(needed, one)), count), di, turns_n + i);
   }
-  return static_cast<std::size_t>(next - candidates);
 }
 
-/// Compares one turn's candidates. \returns the end of the matches.
-TemplateMatch* compare(const PoseTemplates& templates, const SampledReading& reading,
-                       std::uint32_t turn, std::span<const std::uint32_t> candidates,
-                       const TemplateLimits& limits, TemplateMatch* next) {
+/// Compares with a run of a template's turns. \returns the end of the matches.
+TemplateMatch* compare(const PoseTemplates& templates, std::uint32_t index,
+                       const SampledReading& reading, std::uint32_t first_turn,
+                       std::uint32_t turns_n, const TemplateLimits& limits, TemplateMatch* next) {
   const hn::CappedTag<std::int8_t, PoseTemplates::kSamples> d;
   const auto deeper = hn::Set(d, limits.tolerance);
   const auto nearer = hn::Neg(deeper);
-  const auto first = static_cast<int>(PoseTemplates::kRings * turn);
-  const std::uint64_t has_reading = std::rotr(reading.has_reading, first);
-  for (const std::uint32_t index : candidates) {
-    const std::int8_t* depths =
-        templates.depths.data() + PoseTemplates::kSamples * std::size_t{index};
+  const std::int8_t* depths =
+      templates.depths.data() + PoseTemplates::kSamples * std::size_t{index};
+  for (std::uint32_t k = 0; k < turns_n; ++k) {
+    const std::uint32_t turn = (first_turn + k) % PoseTemplates::kTurns;
+    const auto first = static_cast<int>(PoseTemplates::kRings * turn);
     std::uint64_t behind = 0;
     std::uint64_t in_front = 0;
     for (std::size_t i = 0; i < PoseTemplates::kSamples; i += hn::Lanes(d)) {
@@ -67,7 +106,7 @@ TemplateMatch* compare(const PoseTemplates& templates, const SampledReading& rea
       behind |= bits_of(d, hn::Gt(error, deeper)) << i;
       in_front |= bits_of(d, hn::Lt(error, nearer)) << i;
     }
-    const std::uint64_t compared = templates.inside[index] & has_reading;
+    const std::uint64_t compared = templates.inside[index] & std::rotr(reading.has_reading, first);
     const int support_n = std::popcount(compared & ~(behind | in_front));
     const int refute_n = std::popcount(compared & behind);
     const float score = static_cast<float>(support_n - refute_n) /
@@ -81,21 +120,25 @@ TemplateMatch* compare(const PoseTemplates& templates, const SampledReading& rea
 }
 
 void match_templates(const PoseTemplates& templates, const SampledReading& reading,
-                     const TemplateLimits& limits, TemplateMatches& matches) {
-  const std::size_t most = templates.size() * PoseTemplates::kTurns;
-  if (matches.kept.size() <= most) {
-    matches.kept.resize(most + 1);
-    matches.candidates.resize(templates.size() + PoseTemplates::kReadAhead);
-  }
+                     TemplateLimits limits, TemplateMatches& matches) {
+  // What is too many is dropped at once, and what is worse than the rest is not kept from then on.
+  const std::size_t enough = kSlack * limits.most_n;
+  matches.kept.resize(enough + PoseTemplates::kTurns + 1);
+  matches.first_turn.resize(templates.size() + PoseTemplates::kReadAhead);
+  matches.turns_n.resize(templates.size() + PoseTemplates::kReadAhead);
   matches.compared_n = 0;
-  TemplateMatch* next = matches.kept.data();
-  for (std::uint32_t turn = 0; turn < PoseTemplates::kTurns; ++turn) {
-    const std::size_t count =
-        find_candidates(templates, reading, turn, limits.min_cosine, matches.candidates.data());
-    next = compare(templates, reading, turn, {matches.candidates.data(), count}, limits, next);
-    matches.compared_n += count;
+  matches.kept_n = 0;
+  find_turns(templates, reading, limits.min_cosine, matches.first_turn.data(),
+             matches.turns_n.data());
+  for (std::uint32_t i = 0; i < templates.size(); ++i) {
+    const auto turns_n = static_cast<std::uint32_t>(matches.turns_n[i]);
+    const TemplateMatch* end =
+        compare(templates, i, reading, static_cast<std::uint32_t>(matches.first_turn[i]), turns_n,
+                limits, matches.kept.data() + matches.kept_n);
+    matches.compared_n += turns_n;
+    matches.kept_n = static_cast<std::size_t>(end - matches.kept.data());
+    if (matches.kept_n > enough) limits.min_score = keep_best(limits.most_n, matches);
   }
-  matches.kept_n = static_cast<std::size_t>(next - matches.kept.data());
 }
 
 }  // namespace graspd::perception::HWY_NAMESPACE
@@ -107,6 +150,8 @@ HWY_EXPORT(match_templates);
 void match_templates(const parts::PoseTemplates& templates, const SampledReading& reading,
                      const TemplateLimits& limits, TemplateMatches& matches) {
   HWY_DYNAMIC_DISPATCH(match_templates)(templates, reading, limits, matches);
+  keep_best(limits.most_n, matches);
+  std::sort(matches.kept.begin(), end_of(matches), is_better);
 }
 }  // namespace graspd::perception
 #endif

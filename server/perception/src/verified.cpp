@@ -42,18 +42,18 @@ std::vector<std::uint32_t> segment_map(const DepthGrid& grid, const Cloud& cloud
 
 /// The centroid of the segment that most of the part's cells lie in; of the cells themselves where
 /// that is none.
-Eigen::Vector3d segment_centroid_m(const DepthGrid& grid, const std::vector<std::size_t>& cells,
+Eigen::Vector3d segment_centroid_m(const DepthGrid& grid, const std::vector<std::uint32_t>& cells,
                                    const std::vector<std::uint32_t>& map, const Cloud& cloud,
                                    std::span<const Indices> segments) {
   std::vector<int> votes(segments.size() + 1, 0);
-  for (const std::size_t cell : cells) ++votes[map[cell]];
+  for (const std::uint32_t cell : cells) ++votes[map[cell]];
   votes[0] = 0;
   const auto most = std::max_element(votes.begin(), votes.end());
   if (*most > 0) {
     return centroid_m(cloud, segments[static_cast<std::size_t>(most - votes.begin() - 1)]);
   }
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const std::size_t cell : cells) {
+  for (const std::uint32_t cell : cells) {
     const auto width = static_cast<std::size_t>(grid.width_px);
     sum +=
         grid.point_m(static_cast<int>(cell % width), static_cast<int>(cell / width)).cast<double>();

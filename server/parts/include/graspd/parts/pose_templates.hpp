@@ -25,14 +25,17 @@ struct PoseTemplates {
   std::vector<std::int8_t> depths;
   /// Bit i: the part is seen at sample i. What lies beyond its outline may be at any depth.
   std::vector<std::uint64_t> inside;
-  /// The anchors' normals in their view's frame, followed by kReadAhead zeros for kernels that load
-  /// whole vectors.
-  std::vector<float> nx, ny, nz;
+  /// The anchors' normals in their view's frame: sine and cosine of the angle to z, and in turns
+  /// the one about it, from x to y. Each followed by kReadAhead zeros for kernels that load whole
+  /// vectors.
+  std::vector<float> normal_sine, normal_cosine, normal_turns;
   std::vector<Eigen::Vector3f> anchors_m;
   std::vector<std::uint32_t> views;          ///< of each template, index into R_view_part
   std::vector<Eigen::Matrix3f> R_view_part;  ///< z along the line of sight, away from the camera
 
   std::size_t size() const { return views.size(); }
+  /// \param normal unit, or 0. \returns its sine, cosine and turns, as above.
+  static std::array<float, 3> polar(const Eigen::Vector3f& normal);
 };
 
 }  // namespace graspd::parts

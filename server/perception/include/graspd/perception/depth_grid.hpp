@@ -48,7 +48,7 @@ struct DepthGrid {
   /// What lies there is no part after all.
   void take_for_floor(std::size_t cell);
   /// Marks cells as explained. They support and refute no other pose.
-  void claim(const std::vector<std::size_t>& cells);
+  void claim(const std::vector<std::uint32_t>& cells);
 };
 
 /// Cells of a pinhole image, both ends among them; none where the last is below the first.

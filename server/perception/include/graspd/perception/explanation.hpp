@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -11,7 +12,7 @@ namespace graspd::perception {
 
 struct ExplainedPart {
   PoseHypothesis pose;
-  std::vector<std::size_t> cells;  ///< that it explains
+  std::vector<std::uint32_t> cells;  ///< that it explains
 };
 
 struct Explanation {

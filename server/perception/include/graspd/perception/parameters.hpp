@@ -62,7 +62,7 @@ struct RegistrationParameters {
   double seed_spacing_m = 0.01;       ///< between the readings that hypotheses start from
   double normal_tolerance_rad = 0.5;  ///< of a reading's normal to a template's
   int templates_per_seed_n = 32;      ///< of each part, compared with the image at more points
-  int hypotheses_per_seed_n = 8;      ///< of these, placed by ICP
+  int hypotheses_per_seed_n = 4;      ///< of these, placed by ICP
   double coarse_tolerance_m = 0.01;   ///< before a hypothesis has been refined
   double min_coarse_score = 0.2;
   int coarse_per_place_n = 8;  ///< hypotheses with nearly the same barycentre

@@ -100,19 +100,22 @@ class PoseVerifier {
   /// Of the outline, the share beyond which the same surface goes on.
   float leftover_share(const PoseHypothesis& pose) const;
 
-  /// The cells whose open readings lie within `tolerance_m` of the pose, each once: those that its
-  /// points project to.
-  /// \param marks of as many cells as the grid has; working memory, as `cells`, which it fills.
-  void supporting_cells(const PoseHypothesis& pose, double tolerance_m, CellMarks& marks,
-                        std::vector<std::size_t>& cells) const;
+  /// Writes the cells whose open readings lie within `tolerance_m` of the pose, each once: those
+  /// that its points project to.
+  /// \param marks of as many cells as the grid has; working memory.
+  /// \param cells room for as many as the view has points. \returns how many there are.
+  std::size_t supporting_cells(const PoseHypothesis& pose, double tolerance_m, CellMarks& marks,
+                               std::uint32_t* cells) const;
 
   /// The same with their neighbours.
-  std::vector<std::size_t> explained_cells(const PoseHypothesis& pose, double tolerance_m) const;
+  std::vector<std::uint32_t> explained_cells(const PoseHypothesis& pose, double tolerance_m) const;
 
  private:
-  void add_open_cells(const PoseHypothesis& pose, double tolerance_m,
-                      std::span<const std::ptrdiff_t> offsets, CellMarks& marks,
-                      std::vector<std::size_t>& cells) const;
+  /// The leading points of the pose's view.
+  SurfaceSpan seen_surface(const PoseHypothesis& pose, std::size_t most = kAllPoints) const;
+  std::size_t open_cells(const PoseHypothesis& pose, double tolerance_m,
+                         std::span<const std::int32_t> offsets, CellMarks& marks,
+                         std::uint32_t* cells) const;
   std::optional<Refusal> refusal(const PoseHypothesis& pose) const;
   /// \param support of the points within tolerance, each by its weight.
   void set_score(PoseHypothesis& pose, float support) const;

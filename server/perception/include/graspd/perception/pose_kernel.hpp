@@ -73,4 +73,24 @@ NormalEquations icp_equations(const PackedDepth& depth, const KernelPose& pose,
                               const SurfaceSpan& surface, const TurnCentre& about,
                               float tolerance_m);
 
+/// \param cells of each point the cell that it projects to; 0, which holds nothing, for the
+/// outermost ones and beyond. \param z_m of each point in the camera frame. Both have room for the
+/// points, rounded up to 16.
+void project_points(const PackedDepth& depth, const KernelPose& pose, const PointSpan& points,
+                    std::int32_t* cells, float* z_m);
+
+/// What each supporting point counts: half of 1 − e² and half of 1 − small_error2 · e², where
+/// that is above 0, for an error e in tolerances; less up to `normal` of it as the cosine between
+/// its normal and the image's falls from agreeing to opposing.
+struct SupportWeights {
+  float tolerance_m;
+  float small_error2;
+  float normal;
+  float agreeing_cosine, opposing_cosine;
+};
+/// \param normals of each cell, x, y, z; 0 where there is none.
+/// \returns the sum of the weights.
+float weigh_support(const PackedDepth& depth, const float* normals, const KernelPose& pose,
+                    const SurfaceSpan& surface, const SupportWeights& weights);
+
 }  // namespace graspd::perception

@@ -16,9 +16,8 @@ struct SampledReading {
   /// As in a template, twice over, so that every turn is a run of kSamples.
   std::int8_t depths[2 * kSamples];
   std::uint64_t has_reading;  ///< bit i: sample i has one
-  /// The reading's normal in each of the templates' turns.
-  float nx[parts::PoseTemplates::kTurns], ny[parts::PoseTemplates::kTurns],
-      nz[parts::PoseTemplates::kTurns];
+  /// The reading's normal, as the templates' are given; in turn k it is k turns less.
+  float normal_sine, normal_cosine, normal_turns;
 };
 
 struct TemplateLimits {
@@ -29,6 +28,7 @@ struct TemplateLimits {
   /// Without them as many parts are found on tuning frames.
   int min_support_n = 8;
   float min_score = 0.5F;
+  std::size_t most_n = 32;  ///< matches that are wanted
 };
 
 struct TemplateMatch {
@@ -41,8 +41,8 @@ struct TemplateMatch {
 struct TemplateMatches {
   std::size_t compared_n = 0;
   std::size_t kept_n = 0;
-  std::vector<TemplateMatch> kept;        ///< the leading `kept_n`, turn by turn
-  std::vector<std::uint32_t> candidates;  ///< working memory
+  std::vector<TemplateMatch> kept;                ///< the leading `kept_n`: the best, best first
+  std::vector<std::int32_t> first_turn, turns_n;  ///< of each template; working memory
 };
 
 /// Compares with every template in every turn in which its anchor's normal agrees.
