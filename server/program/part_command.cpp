@@ -13,6 +13,7 @@
 #include "graspd/formats/table.hpp"
 #include "graspd/parts/mesh_check.hpp"
 #include "graspd/parts/part.hpp"
+#include "refuse.hpp"
 
 namespace graspd::program {
 namespace {
@@ -22,11 +23,6 @@ struct CheckArguments {
   std::string unit = "mm";
   parts::SensorResolution sensor;
 };
-
-int refuse(const Error& error) {
-  fmt::print(stderr, "grasp_server: {}: {}\n", name_of(error.code), error.message);
-  return kExitWrongInput;
-}
 
 /// Of a part file, or of a mesh alone.
 Result<parts::PartDescription> description_of(const CheckArguments& arguments) {

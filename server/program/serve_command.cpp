@@ -17,6 +17,7 @@
 #include "graspd/service/front.hpp"
 #include "graspd/service/private_directory.hpp"
 #include "planner.hpp"
+#include "refuse.hpp"
 
 namespace graspd::program {
 namespace {
@@ -131,11 +132,6 @@ Result<std::optional<service::Authentication>> read_keys(const service::ServerCo
   auto allowed = keys::AllowList::read(config.allowed_cells);
   if (!allowed) return tl::unexpected(allowed.error());
   return service::Authentication{*std::move(server), *std::move(allowed)};
-}
-
-int refuse(const Error& error) {
-  fmt::print(stderr, "grasp_server: {}: {}\n", name_of(error.code), error.message);
-  return kExitWrongInput;
 }
 
 int serve(const ServeArguments& arguments) {

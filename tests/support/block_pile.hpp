@@ -6,6 +6,20 @@
 
 namespace graspd::testing {
 
+inline const parts::Part& bar() {
+  static const parts::Part part = block_part("bar", {0.080, 0.020, 0.010});
+  return part;
+}
+
+inline perception::PlacedPart bar_at(const Eigen::Vector3d& p_m, double yaw_rad = 0,
+                                     double pitch_rad = 0) {
+  perception::PlacedPart placed{&bar(), Eigen::Isometry3d::Identity()};
+  placed.T_floor_part.translate(p_m);
+  placed.T_floor_part.rotate(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
+                             Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()));
+  return placed;
+}
+
 /// Blocks in a bin under a camera that looks straight down, as the grasp stage sees them. Base,
 /// floor and bin are one frame.
 struct BlockPile {

@@ -11,6 +11,10 @@
 /// what is tested only OpenCV's pattern is used to make it.
 namespace graspd::testing {
 
+/// A Kinect v2's.
+inline const CameraIntrinsics kKinect{
+    512, 424, 365.5, 365.5, 255, 205, {0.0905, -0.268, 0, 0, 0.095}};
+
 struct BoardScene {
   calibration::Board board;
   CameraIntrinsics camera;

@@ -9,6 +9,11 @@
 /// Piles that can be written down by hand or thrown at random.
 namespace graspd::testing {
 
+inline const parts::Part& long_bar() {
+  static const parts::Part part = block_part("bar", {0.100, 0.020, 0.010});
+  return part;
+}
+
 inline perception::PlacedPart placed(
     const parts::Part& part, const Eigen::Vector3d& p_m,
     const Eigen::Vector3d& rotation_rad = Eigen::Vector3d::Zero()) {

@@ -15,7 +15,6 @@ namespace graspd::testing {
 
 using nlohmann::json;
 
-inline const Eigen::Vector3d kBar_m(0.08, 0.024, 0.02);
 inline const Eigen::Vector3d kStick_m(0.1, 0.03, 0.02);
 
 /// The reference file with every key that it comments out.

@@ -14,8 +14,6 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const Eigen::Vector3d kBar_m{0.08, 0.024, 0.02};
-
 /// One server for all tests here: none of them changes it.
 class GraspTest : public ::testing::Test {
  protected:

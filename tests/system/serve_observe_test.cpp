@@ -18,8 +18,6 @@ using client::Client;
 using std::chrono::seconds;
 using ::testing::HasSubstr;
 
-const Eigen::Vector3d kBar_m{0.08, 0.024, 0.02};
-
 class ObserveTest : public ::testing::Test {
  protected:
   ObserveTest() {

@@ -53,6 +53,7 @@ inline std::filesystem::path write_frame(const TemporaryFolder& folder, const st
 }
 
 inline constexpr double kHeight_m = 0.75;
+inline const Eigen::Vector3d kBar_m(0.08, 0.024, 0.02);
 
 /// A bar on the floor, away from the image's centre.
 inline Block bar_at(double x_m, double y_m, double angle_rad, const Eigen::Vector3d& size_m) {

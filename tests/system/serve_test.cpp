@@ -21,7 +21,6 @@ using std::chrono::seconds;
 using ::testing::HasSubstr;
 
 constexpr seconds kBudget{30};
-const Eigen::Vector3d kBar_m{0.08, 0.024, 0.02};
 const Eigen::Vector3d kBrick_m{0.06, 0.04, 0.03};
 
 struct Cell {

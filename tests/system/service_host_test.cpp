@@ -20,7 +20,6 @@ using std::chrono::seconds;
 using ::testing::HasSubstr;
 
 constexpr seconds kBudget{30};
-const Eigen::Vector3d kBar_m{0.08, 0.024, 0.02};
 
 class ServiceHost : public ::testing::Test {
  protected:

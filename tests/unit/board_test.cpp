@@ -12,17 +12,16 @@ namespace graspd::calibration {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::kKinect;
 
 const Board kBoard{7, 5, 0.04, 0.03, "DICT_4X4_50", 0.02};
-/// A Kinect v2's.
-const CameraIntrinsics kCamera{512, 424, 365.5, 365.5, 255, 205, {0.0905, -0.268, 0, 0, 0.095}};
 
 testing::BoardScene scene_at(double distance_m, const Eigen::Vector3d& turn_rad) {
-  return {kBoard, kCamera, testing::facing(kBoard, {0.02, -0.01}, distance_m, turn_rad)};
+  return {kBoard, kKinect, testing::facing(kBoard, {0.02, -0.01}, distance_m, turn_rad)};
 }
 
 std::string fault_of(const GrayImage& image, const Board& board = kBoard) {
-  const auto view = find_board(image, board, kCamera);
+  const auto view = find_board(image, board, kKinect);
   EXPECT_FALSE(view);
   return view ? "" : view.error().message;
 }
@@ -30,12 +29,12 @@ std::string fault_of(const GrayImage& image, const Board& board = kBoard) {
 TEST(Board, CornersAndPoseAreThoseOfTheTruth) {
   for (const double distance_m : {0.5, 0.7, 0.9}) {
     const auto scene = scene_at(distance_m, {0.3, -0.4, 0.5});
-    const auto view = find_board(testing::see_board(scene, 4, 1), kBoard, kCamera);
+    const auto view = find_board(testing::see_board(scene, 4, 1), kBoard, kKinect);
     ASSERT_TRUE(view) << view.error().message;
     EXPECT_EQ(view->p_px.size(), 24U);
     double sum_px2 = 0;
     for (std::size_t i = 0; i < view->p_px.size(); ++i) {
-      const auto true_px = project(kCamera, scene.T_camera_board * view->p_board_m[i]);
+      const auto true_px = project(kKinect, scene.T_camera_board * view->p_board_m[i]);
       sum_px2 += (view->p_px[i] - true_px).squaredNorm();
     }
     EXPECT_LT(std::sqrt(sum_px2 / 24), 0.2) << distance_m;
@@ -48,7 +47,7 @@ TEST(Board, CornersAndPoseAreThoseOfTheTruth) {
 TEST(Board, ABoardThatIsSeenInPartIsFound) {
   auto scene = scene_at(0.6, {0.2, 0.2, 0});
   scene.T_camera_board.pretranslate(Eigen::Vector3d(0.35, 0, 0));
-  const auto view = find_board(testing::see_board(scene, 4, 1), kBoard, kCamera);
+  const auto view = find_board(testing::see_board(scene, 4, 1), kBoard, kKinect);
   ASSERT_TRUE(view) << view.error().message;
   EXPECT_LT(view->p_px.size(), 24U);
 }

@@ -6,21 +6,13 @@
 #include "block_scene.hpp"
 #include "fcl_twin.hpp"
 #include "graspd/parts/catalogue.hpp"
+#include "kernel_pose.hpp"
 #include "random_pose.hpp"
 
 namespace graspd::perception {
 namespace {
 
 using Eigen::Vector3d;
-
-KernelPose kernel_pose(const Eigen::Isometry3d& T) {
-  KernelPose pose{};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) pose.R[3 * i + j] = static_cast<float>(T(i, j));
-    pose.t_m[i] = static_cast<float>(T(i, 3));
-  }
-  return pose;
-}
 
 bool meets(const parts::Part& part, const Eigen::Isometry3d& T_box_part, const Vector3d& half_m) {
   const parts::TriangleGroups& groups = part.triangles;

@@ -14,26 +14,26 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kFloor_m = 0.75;
+constexpr double kFloorDepth_m = 0.75;
 
 /// A block with its top face 50 mm above the floor.
 std::vector<testing::Block> one_block() {
   testing::Block block;
-  block.T_camera_block.translation() = Vector3d(0.03, -0.02, kFloor_m - 0.03);
+  block.T_camera_block.translation() = Vector3d(0.03, -0.02, kFloorDepth_m - 0.03);
   block.size_m = Vector3d(0.08, 0.06, 0.04);
   return {block};
 }
 
 Cloud above_floor(const DepthFrame& frame) {
   Cloud cloud = unproject(frame, PreprocessParameters{});
-  std::erase_if(cloud.points_m, [](const Vector3f& p) { return p.z() > kFloor_m - 0.01; });
+  std::erase_if(cloud.points_m, [](const Vector3f& p) { return p.z() > kFloorDepth_m - 0.01; });
   return cloud;
 }
 
 TEST(DepthGrid, IsThePinholeImageOfTheReadings) {
   CameraIntrinsics camera = testing::kinect_v2();
   camera.distortion = {0.09, -0.27, 0.001, -0.002, 0.1};  // a Kinect v2's
-  const DepthFrame frame = testing::render(camera, kFloor_m, one_block());
+  const DepthFrame frame = testing::render(camera, kFloorDepth_m, one_block());
   const DepthGrid grid = make_depth_grid(frame, above_floor(frame), PreprocessParameters{});
   int top_n = 0;
   for (int v = 1; v < grid.height_px - 1; ++v) {
@@ -41,7 +41,7 @@ TEST(DepthGrid, IsThePinholeImageOfTheReadings) {
       const Vector3f p = grid.point_m(u, v);
       // Half a pixel within the face, which is a millimetre.
       if (std::abs(p.x() - 0.03F) > 0.038F || std::abs(p.y() + 0.02F) > 0.028F) continue;
-      EXPECT_NEAR(p.z(), kFloor_m - 0.05, 0.0006) << u << ", " << v;
+      EXPECT_NEAR(p.z(), kFloorDepth_m - 0.05, 0.0006) << u << ", " << v;
       EXPECT_EQ(grid.cell_of(p), grid.index(u, v));
       EXPECT_EQ(grid.is_part[grid.index(u, v)], 1);
       ++top_n;
@@ -51,7 +51,7 @@ TEST(DepthGrid, IsThePinholeImageOfTheReadings) {
 }
 
 TEST(DepthGrid, HasAMarginAndNothingOutermost) {
-  const DepthFrame frame = testing::render(testing::kinect_v2(), kFloor_m, one_block());
+  const DepthFrame frame = testing::render(testing::kinect_v2(), kFloorDepth_m, one_block());
   const DepthGrid grid = make_depth_grid(frame, above_floor(frame), PreprocessParameters{});
   for (int v = 0; v < grid.height_px; ++v) {
     for (int u = 0; u < grid.width_px; ++u) {
@@ -66,7 +66,7 @@ TEST(DepthGrid, HasAMarginAndNothingOutermost) {
 TEST(DepthGrid, NormalsAreThoseOfTheFaces) {
   auto blocks = one_block();
   blocks[0].T_camera_block.rotate(Eigen::AngleAxisd(0.5, Vector3d::UnitY()));
-  const DepthFrame frame = testing::render(testing::kinect_v2(), kFloor_m, blocks);
+  const DepthFrame frame = testing::render(testing::kinect_v2(), kFloorDepth_m, blocks);
   const DepthGrid grid = make_depth_grid(frame, above_floor(frame), PreprocessParameters{});
   const Vector3f centre =
       (blocks[0].T_camera_block * Vector3d(0, 0, -0.02)).cast<float>();  // of the face on top
@@ -75,7 +75,7 @@ TEST(DepthGrid, NormalsAreThoseOfTheFaces) {
 }
 
 TEST(DepthGrid, WhatIsClaimedHidesAndRefutesNothing) {
-  const DepthFrame frame = testing::render(testing::kinect_v2(), kFloor_m, one_block());
+  const DepthFrame frame = testing::render(testing::kinect_v2(), kFloorDepth_m, one_block());
   DepthGrid grid = make_depth_grid(frame, above_floor(frame), PreprocessParameters{});
   const std::size_t cell = grid.cell_of({0.03F, -0.02F, 0.70F});
   const float z_m = grid.z_m[cell];

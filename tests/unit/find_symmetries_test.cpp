@@ -18,7 +18,7 @@ namespace {
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 struct Solid {
   std::string name;
@@ -189,7 +189,7 @@ TEST(Symmetries, HoldToOnePerCentOfTheDiameter) {
   EXPECT_THAT(deep.continuous, SizeIs(0));
   ASSERT_THAT(deep.discrete, SizeIs(1));  // over, about the line through the flat's middle
   const Eigen::AngleAxisd turn(deep.discrete[0].linear());
-  EXPECT_NEAR(turn.angle(), kPi, 1e-6);
+  EXPECT_NEAR(turn.angle(), pi, 1e-6);
   EXPECT_NEAR(std::abs(turn.axis().x()), 1, 1e-3);
 }
 

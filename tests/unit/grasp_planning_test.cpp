@@ -10,20 +10,9 @@ namespace graspd::perception {
 namespace {
 
 using Eigen::Vector3d;
+using testing::bar;
+using testing::bar_at;
 using ::testing::HasSubstr;
-
-const parts::Part& bar() {
-  static const parts::Part part = testing::block_part("bar", {0.080, 0.020, 0.010});
-  return part;
-}
-
-PlacedPart at(const Vector3d& p_m, double yaw_rad = 0, double pitch_rad = 0) {
-  PlacedPart placed{&bar(), Eigen::Isometry3d::Identity()};
-  placed.T_floor_part.translate(p_m);
-  placed.T_floor_part.rotate(Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()) *
-                             Eigen::AngleAxisd(pitch_rad, Vector3d::UnitY()));
-  return placed;
-}
 
 CheckReport report_of(const PlannedGrasp& grasp, Check check) {
   for (const auto& report : grasp.checks) {
@@ -53,7 +42,7 @@ class PlanGrasps : public ::testing::Test {
 
 TEST_F(PlanGrasps, ClosesAcrossTheAxisAndComesFromAbove) {
   for (const double yaw : {0.0, 0.4, 1.3, 2.9}) {
-    const std::vector<PlacedPart> parts = {at({0, 0, 0.02}, yaw)};
+    const std::vector<PlacedPart> parts = {bar_at({0, 0, 0.02}, yaw)};
     const PartGrasps grasps = plan(parts);
     ASSERT_EQ(grasps.free.size(), 3U);
     EXPECT_FALSE(grasps.rejected);
@@ -75,14 +64,14 @@ TEST_F(PlanGrasps, ClosesAcrossTheAxisAndComesFromAbove) {
 
 TEST_F(PlanGrasps, APartThatStandsIsGraspedAcrossItsSecondAxis) {
   // Upright, the bar shows 20 mm along y and 10 mm along x: the jaws take the 10 mm.
-  const PartGrasps grasps = plan({at({0, 0, 0.04}, 0, M_PI / 2)});
+  const PartGrasps grasps = plan({bar_at({0, 0, 0.04}, 0, M_PI / 2)});
   ASSERT_FALSE(grasps.free.empty());
   EXPECT_NEAR(grasps.free.front().opening_width_m, 0.020, 1e-6);
 }
 
 TEST_F(PlanGrasps, SaysWhenTheGripperIsTooNarrow) {
   gripper_.max_opening_m = 0.023;  // 20 mm of part, and 2 mm on each side at the least
-  const PartGrasps grasps = plan({at({0, 0, 0.02})});
+  const PartGrasps grasps = plan({bar_at({0, 0, 0.02})});
   EXPECT_TRUE(grasps.free.empty());
   ASSERT_TRUE(grasps.rejected);
   EXPECT_NEAR(grasps.rejected->opening_width_m, 0.023, 1e-9) << "clamped to the stroke";
@@ -94,14 +83,14 @@ TEST_F(PlanGrasps, SaysWhenTheGripperIsTooNarrow) {
 
 TEST_F(PlanGrasps, AStrokeThatIsShortOfTheWholeClearanceIsUsed) {
   gripper_.max_opening_m = 0.025;
-  const PartGrasps grasps = plan({at({0, 0, 0.02})});
+  const PartGrasps grasps = plan({bar_at({0, 0, 0.02})});
   ASSERT_FALSE(grasps.free.empty());
   EXPECT_NEAR(grasps.free.front().opening_width_m, 0.025, 1e-9);
 }
 
 TEST_F(PlanGrasps, SaysWhenTheGripperDoesNotCloseFarEnough) {
   gripper_.min_opening_m = 0.05;
-  const PartGrasps grasps = plan({at({0, 0, 0.02})});
+  const PartGrasps grasps = plan({bar_at({0, 0, 0.02})});
   ASSERT_TRUE(grasps.rejected);
   EXPECT_THAT(report_of(*grasps.rejected, Check::kOpening).reason, HasSubstr("closes to 50.0 mm"));
 }
@@ -111,11 +100,12 @@ TEST_F(PlanGrasps, OpensLessWhereANeighbourIsNear) {
   for (const double gap_m : {0.030, 0.0125}) {
     const double aside_m = 0.02 + gap_m;
     const PartGrasps grasps =
-        plan({at({0, 0, 0.02}), at({0, aside_m, 0.02}), at({0, -aside_m, 0.02})});
+        plan({bar_at({0, 0, 0.02}), bar_at({0, aside_m, 0.02}), bar_at({0, -aside_m, 0.02})});
     ASSERT_FALSE(grasps.free.empty()) << gap_m;
     EXPECT_NEAR(grasps.free.front().opening_width_m, gap_m < 0.014 ? 0.024 : 0.030, 1e-6);
   }
-  const PartGrasps none = plan({at({0, 0, 0.02}), at({0, 0.03, 0.02}), at({0, -0.03, 0.02})});
+  const PartGrasps none =
+      plan({bar_at({0, 0, 0.02}), bar_at({0, 0.03, 0.02}), bar_at({0, -0.03, 0.02})});
   EXPECT_TRUE(none.free.empty()) << "10 mm are too few";
   ASSERT_TRUE(none.rejected);
   EXPECT_THAT(report_of(*none.rejected, Check::kGripperParts).reason,
@@ -126,7 +116,7 @@ TEST_F(PlanGrasps, TiltsAwayFromAWall) {
   bin_ = Bin{Eigen::Isometry3d::Identity(), Vector3d(0.3, 0.2, 0.1), 0.005};
   parameters_.tries_per_part_n = 100;
   // 28 mm from the wall at x = +0.15: the palm, 50 mm to each side, does not fit straight down.
-  const PartGrasps grasps = plan({at({0.122, 0, 0.03}, M_PI / 2)});
+  const PartGrasps grasps = plan({bar_at({0.122, 0, 0.03}, M_PI / 2)});
   ASSERT_FALSE(grasps.free.empty());
   const Vector3d approach = grasps.free.front().T_floor_grasp.linear().col(2);
   EXPECT_LT(approach.z(), -0.8) << "as near to vertical as the bin allows";
@@ -136,7 +126,7 @@ TEST_F(PlanGrasps, TiltsAwayFromAWall) {
 
 TEST_F(PlanGrasps, InTheMiddleOfTheBinDoesNotTilt) {
   bin_ = Bin{Eigen::Isometry3d::Identity(), Vector3d(0.3, 0.2, 0.1), 0.005};
-  const PartGrasps grasps = plan({at({0, 0, 0.03})});
+  const PartGrasps grasps = plan({bar_at({0, 0, 0.03})});
   ASSERT_FALSE(grasps.free.empty());
   const Vector3d approach = grasps.free.front().T_floor_grasp.linear().col(2);
   EXPECT_TRUE(approach.isApprox(-Vector3d::UnitZ(), 1e-9));
@@ -145,14 +135,14 @@ TEST_F(PlanGrasps, InTheMiddleOfTheBinDoesNotTilt) {
 TEST_F(PlanGrasps, StopsAtEnoughFreeOnes) {
   for (const int wanted_n : {1, 5}) {
     parameters_.grasps_per_part_n = wanted_n;
-    EXPECT_EQ(plan({at({0, 0, 0.02})}).free.size(), static_cast<std::size_t>(wanted_n));
+    EXPECT_EQ(plan({bar_at({0, 0, 0.02})}).free.size(), static_cast<std::size_t>(wanted_n));
   }
   parameters_.tries_per_part_n = 2;
-  EXPECT_EQ(plan({at({0, 0, 0.02})}).free.size(), 2U) << "and at enough tries";
+  EXPECT_EQ(plan({bar_at({0, 0, 0.02})}).free.size(), 2U) << "and at enough tries";
 }
 
 TEST_F(PlanGrasps, ABuriedPartIsRejectedWithWhatLiesOnIt) {
-  const PartGrasps grasps = plan({at({0, 0, 0.005}), at({0, 0, 0.016}, M_PI / 2)});
+  const PartGrasps grasps = plan({bar_at({0, 0, 0.005}), bar_at({0, 0, 0.016}, M_PI / 2)});
   EXPECT_TRUE(grasps.free.empty());
   ASSERT_TRUE(grasps.rejected);
   EXPECT_EQ(report_of(*grasps.rejected, Check::kHeldPart).reason,
@@ -163,7 +153,7 @@ TEST_F(PlanGrasps, EveryFreeGraspHasPassedEveryCheckThatRan) {
   testing::BlockPile pile;
   for (int i = 0; i < 9; ++i) {
     const int row = i / 3;
-    pile.parts.push_back(at({0.12 * (i % 3) - 0.12, 0.09 * row - 0.09, 0.006}, 0.4 * i));
+    pile.parts.push_back(bar_at({0.12 * (i % 3) - 0.12, 0.09 * row - 0.09, 0.006}, 0.4 * i));
   }
   pile.look();
   scene_ = pile.scene;

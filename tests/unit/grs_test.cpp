@@ -71,7 +71,7 @@ std::uint32_t search_shared_points(std::size_t target, const std::vector<PlacedP
 
 /// Bricks of 20 × 10 × 10 mm with template points 5 mm apart, so that shared points can be counted
 /// by hand: the top face has 5 × 3 points.
-class PSystem : public ::testing::Test {
+class PSystemByCount : public ::testing::Test {
  protected:
   parts::Part brick_ = testing::block_part("brick", {0.020, 0.010, 0.010}, 0.005);
   GrsParameters parameters_ = [] {
@@ -82,7 +82,7 @@ class PSystem : public ::testing::Test {
   }();
 };
 
-TEST_F(PSystem, CountsTheTemplatePointsThatCoincide) {
+TEST_F(PSystemByCount, CountsTheTemplatePointsThatCoincide) {
   // Each face of the template has its own points on the edges it shares: the count of template
   // points with z = +5 mm, on the top face and on the upper edges of the four sides.
   std::uint32_t top_n = 0;
@@ -97,7 +97,7 @@ TEST_F(PSystem, CountsTheTemplatePointsThatCoincide) {
   EXPECT_EQ(count.value, 0);
 }
 
-TEST_F(PSystem, IsZeroOnlyAboveTheThreshold) {
+TEST_F(PSystemByCount, IsZeroOnlyAboveTheThreshold) {
   const std::vector<PlacedPart> stack = {placed(brick_, {0, 0, 0.005}),
                                          placed(brick_, {0, 0, 0.0155})};
   parameters_.overlap_threshold_n = 31;  // threshold ≥ count: 1
@@ -106,7 +106,7 @@ TEST_F(PSystem, IsZeroOnlyAboveTheThreshold) {
   EXPECT_EQ(p_system_count(0, stack, parameters_).value, 0);
 }
 
-TEST_F(PSystem, IsOneForPartsApart) {
+TEST_F(PSystemByCount, IsOneForPartsApart) {
   const std::vector<PlacedPart> apart = {placed(brick_, {0, 0, 0.005}),
                                          placed(brick_, {0, 0.012, 0.005})};
   const PSystemCount count = p_system_count(0, apart, parameters_);
@@ -115,7 +115,7 @@ TEST_F(PSystem, IsOneForPartsApart) {
   EXPECT_EQ(count.value, 1);
 }
 
-TEST_F(PSystem, CountsWhatASearchThroughAllPointsCounts) {
+TEST_F(PSystemByCount, CountsWhatASearchThroughAllPointsCounts) {
   const parts::Part bar = testing::block_part("bar", {0.080, 0.020, 0.010});
   parameters_.overlap_distance_m = 0.0015;
   std::mt19937 random(1);
@@ -148,7 +148,7 @@ TEST(PSystemSupport, IsTheTermThatThePileGraphGives) {
   const std::vector<PlacedPart> stack = {placed(brick, {0, 0, 0.005}),
                                          placed(brick, {0, 0, 0.015})};
   GrsParameters parameters;
-  parameters.p_system = graspd::PSystem::kSupport;
+  parameters.p_system = PSystem::kSupport;
   const PileGraph graph = make_pile_graph(stack, {});
   const auto terms = grasp_risk_scores(stack, graph, parameters);
   EXPECT_EQ(terms[1].p_system, 1);

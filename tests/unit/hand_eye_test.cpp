@@ -18,9 +18,9 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using testing::kKinect;
 
-const Board kBoard{7, 5, 0.04, 0.03, "DICT_4X4_50", 0.01};
-const CameraIntrinsics kCamera{512, 424, 365.5, 365.5, 255, 205, {0.0905, -0.268, 0, 0, 0.095}};
+const Board kCellBoard{7, 5, 0.04, 0.03, "DICT_4X4_50", 0.01};
 
 double angle_between(const Isometry3d& a, const Isometry3d& b) {
   return AngleAxisd(a.linear().transpose() * b.linear()).angle();
@@ -57,7 +57,7 @@ class Cell {
       const Vector3d place = vector_of(anywhere);
       const Vector3d turn_rad = vector_of(anywhere).cwiseProduct(tilt_rad);
       const Isometry3d T_camera_board = testing::facing(
-          kBoard, {0.08 * place.x(), 0.06 * place.y()}, 0.65 + 0.1 * place.z(), turn_rad);
+          kCellBoard, {0.08 * place.x(), 0.06 * place.y()}, 0.65 + 0.1 * place.z(), turn_rad);
       FlangeView view{fmt::format("{:02}.png", i),
                       T_base_camera * T_camera_board * T_flange_board.inverse(),
                       corners(T_camera_board, noise)};
@@ -74,17 +74,17 @@ class Cell {
   /// As `find_board` finds them in a simulated image (board_test), without the image.
   static BoardView corners(const Isometry3d& T_camera_board, const auto& noise) {
     BoardView view;
-    for (int row = 1; row < kBoard.rows_n; ++row) {
-      for (int column = 1; column < kBoard.columns_n; ++column) {
-        const Vector3d p_board_m(column * kBoard.square_m, row * kBoard.square_m, 0);
+    for (int row = 1; row < kCellBoard.rows_n; ++row) {
+      for (int column = 1; column < kCellBoard.columns_n; ++column) {
+        const Vector3d p_board_m(column * kCellBoard.square_m, row * kCellBoard.square_m, 0);
         const double du_px = 0.12 * noise();
         const double dv_px = 0.12 * noise();
         view.p_board_m.push_back(p_board_m);
-        view.p_px.push_back(project(kCamera, T_camera_board * p_board_m) +
+        view.p_px.push_back(project(kKinect, T_camera_board * p_board_m) +
                             Eigen::Vector2d(du_px, dv_px));
       }
     }
-    find_pose(view, kCamera);
+    find_pose(view, kKinect);
     return view;
   }
 
@@ -100,22 +100,23 @@ double off_at_bin_m(const Isometry3d& found, const Isometry3d& truth) {
   return (found * p_camera - truth * p_camera).norm();
 }
 
-std::string fault_of(const std::vector<FlangeView>& views, const Board& board = kBoard) {
-  const auto found = calibrate_hand_eye(views, board, kCamera);
+std::string calibration_fault(const std::vector<FlangeView>& views,
+                              const Board& board = kCellBoard) {
+  const auto found = calibrate_hand_eye(views, board, kKinect);
   EXPECT_FALSE(found);
   return found ? "" : found.error().message;
 }
 
 TEST(HandEye, AnExactArmGivesTheCameraToUnderAMillimetre) {
   const Cell cell;
-  const auto found = calibrate_hand_eye(cell.look(15, kTilts, 0, 0, 1), kBoard, kCamera);
+  const auto found = calibrate_hand_eye(cell.look(15, kTilts, 0, 0, 1), kCellBoard, kKinect);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_LT(off_at_bin_m(found->T_base_camera, cell.T_base_camera), 0.001);
   EXPECT_LT(angle_between(found->T_base_camera, cell.T_base_camera), 0.002);
   EXPECT_LT((found->T_flange_board.translation() - cell.T_flange_board.translation()).norm(),
             0.001);
   EXPECT_LT(found->reprojection_rms_px, 0.3);
-  EXPECT_NEAR(found->square_m, kBoard.square_m, 0.0002);
+  EXPECT_NEAR(found->square_m, kCellBoard.square_m, 0.0002);
 }
 
 /// Mean over some cells of what each way to solve is off by at the bin.
@@ -139,8 +140,8 @@ Means means_over_cells(double noise_m, double noise_rad) {
     for (const FlangeView& view : views) refs.push_back(&view);
     const RobotWorld shah = solve_shah(refs);
     means.shah_m += off_m(shah);
-    means.plain_m += off_m(refine(refs, kCamera, exact_arm, shah, false));
-    means.weighed_m += off_m(refine(refs, kCamera, {}, shah, false));
+    means.plain_m += off_m(refine(refs, kKinect, exact_arm, shah, false));
+    means.weighed_m += off_m(refine(refs, kKinect, {}, shah, false));
   }
   return means;
 }
@@ -165,8 +166,9 @@ TEST(HandEye, WeighingKeepsAnArmThatIsOffFromSpoilingIt) {
 
 TEST(HandEye, HeldOutErrorsTellWhatTheArmIsOffBy) {
   const Cell cell;
-  const auto exact = calibrate_hand_eye(cell.look(20, kTilts, 0, 0, 2), kBoard, kCamera);
-  const auto noisy = calibrate_hand_eye(cell.look(20, kTilts, 0.0012, 0.005, 2), kBoard, kCamera);
+  const auto exact = calibrate_hand_eye(cell.look(20, kTilts, 0, 0, 2), kCellBoard, kKinect);
+  const auto noisy =
+      calibrate_hand_eye(cell.look(20, kTilts, 0.0012, 0.005, 2), kCellBoard, kKinect);
   ASSERT_TRUE(exact && noisy);
   EXPECT_EQ(noisy->held_out.size(), 20U);
   EXPECT_GE(noisy->held_out.front().position_m, noisy->held_out.back().position_m);
@@ -182,33 +184,35 @@ TEST(HandEye, HeldOutErrorsTellWhatTheArmIsOffBy) {
 TEST(HandEye, OneWrongPoseSticksOut) {
   auto views = Cell().look(15, kTilts, 0.0003, 0.001, 3);
   views[7].T_base_flange.pretranslate(Vector3d(0.02, 0, 0));
-  const auto found = calibrate_hand_eye(views, kBoard, kCamera);
+  const auto found = calibrate_hand_eye(views, kCellBoard, kKinect);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->held_out.front().name, "07.png");
   EXPECT_GT(found->held_out.front().position_m, 3 * found->held_out[1].position_m);
 }
 
 TEST(HandEye, FewViewsAreRefused) {
-  EXPECT_THAT(fault_of(Cell().look(7, kTilts, 0, 0, 4)),
+  EXPECT_THAT(calibration_fault(Cell().look(7, kTilts, 0, 0, 4)),
               AllOf(HasSubstr("7 views"), HasSubstr("at least 8")));
-  EXPECT_THAT(fault_of({}), HasSubstr("0 views"));
+  EXPECT_THAT(calibration_fault({}), HasSubstr("0 views"));
 }
 
 TEST(HandEye, ParallelViewsAreRefused) {
-  EXPECT_THAT(fault_of(Cell().look(10, {0, 0, 0}, 0, 0.001, 5)), HasSubstr("one axis only"));
-  EXPECT_THAT(fault_of(Cell().look(10, {0, 0, 0.8}, 0, 0.001, 5)), HasSubstr("one axis only"));
+  EXPECT_THAT(calibration_fault(Cell().look(10, {0, 0, 0}, 0, 0.001, 5)),
+              HasSubstr("one axis only"));
+  EXPECT_THAT(calibration_fault(Cell().look(10, {0, 0, 0.8}, 0, 0.001, 5)),
+              HasSubstr("one axis only"));
 }
 
 TEST(HandEye, ABoardOfAnotherSizeIsSaidWithTheSizeThatFits) {
   auto views = Cell().look(12, kTilts, 0.0005, 0.002, 6);
-  Board said = kBoard;
+  Board said = kCellBoard;
   said.square_m = 0.042;  // and what follows from it, as `find_board` would have it
   for (FlangeView& view : views) {
     for (Vector3d& p : view.board.p_board_m) p *= 1.05;
     view.board.T_camera_board.translation() *= 1.05;
   }
   EXPECT_THAT(
-      fault_of(views, said),
+      calibration_fault(views, said),
       AllOf(::testing::ContainsRegex("squares of (39.[789]|40.[012])"), HasSubstr("42.00 mm")));
 }
 

@@ -12,16 +12,16 @@ namespace {
 using Eigen::Vector3d;
 using testing::BlockPile;
 
-const parts::Part& bar() {
+const parts::Part& square_bar() {
   static const parts::Part part = testing::block_part("bar", {0.08, 0.025, 0.025});
   return part;
 }
 
 TEST(Lifting, TheUpperOfTwoIsFreeAndTheLowerIsNot) {
   for (const double yaw : {0.0, 0.6, 1.57}) {
-    const std::vector<PlacedPart> parts = {{&bar(), BlockPile::at(0, 0, 0.0125)},
-                                           {&bar(), BlockPile::at(0.02, 0, 0.0375, yaw)},
-                                           {&bar(), BlockPile::at(0.2, 0, 0.0125)}};
+    const std::vector<PlacedPart> parts = {{&square_bar(), BlockPile::at(0, 0, 0.0125)},
+                                           {&square_bar(), BlockPile::at(0.02, 0, 0.0375, yaw)},
+                                           {&square_bar(), BlockPile::at(0.2, 0, 0.0125)}};
     const Lifting lifting(parts, {});
     EXPECT_EQ(lifting.in_the_way(0), 1U);
     EXPECT_FALSE(lifting.in_the_way(1));
@@ -34,7 +34,7 @@ TEST(Lifting, PartsSideBySideAreFreeThoughNoiseMovesThem) {
     for (const double shift_m : {-0.001, 0.0, 0.001}) {
       const Eigen::Isometry3d T = BlockPile::at(0.003, 0.001, 0.0125, yaw);
       const std::vector<PlacedPart> parts = {
-          {&bar(), T}, {&bar(), T * BlockPile::at(0.01, 0.025 + shift_m, 0.002)}};
+          {&square_bar(), T}, {&square_bar(), T * BlockPile::at(0.01, 0.025 + shift_m, 0.002)}};
       const Lifting lifting(parts, {});
       EXPECT_FALSE(lifting.in_the_way(0)) << "yaw " << yaw << ", " << shift_m;
       EXPECT_FALSE(lifting.in_the_way(1)) << "yaw " << yaw << ", " << shift_m;
@@ -45,7 +45,8 @@ TEST(Lifting, PartsSideBySideAreFreeThoughNoiseMovesThem) {
 TEST(Lifting, AOneThatLeansOnAnotherIsFree) {
   Eigen::Isometry3d T = BlockPile::at(0, 0.03, 0.035);
   T.rotate(Eigen::AngleAxisd(0.6, Vector3d::UnitX()));
-  const std::vector<PlacedPart> parts = {{&bar(), BlockPile::at(0, 0, 0.0125)}, {&bar(), T}};
+  const std::vector<PlacedPart> parts = {{&square_bar(), BlockPile::at(0, 0, 0.0125)},
+                                         {&square_bar(), T}};
   const Lifting lifting(parts, {});
   EXPECT_FALSE(lifting.in_the_way(1));
 }
@@ -69,7 +70,7 @@ TEST(Lifting, APipeThroughARingIsHooked) {
 TEST(Lifting, OnlyAWallIsAWall) {
   const Bin bin{Eigen::Isometry3d::Identity(), Vector3d(0.3, 0.2, 0.1), 0.005};
   const auto meets = [&](const Eigen::Isometry3d& T) {
-    const std::vector<PlacedPart> parts = {{&bar(), T}};
+    const std::vector<PlacedPart> parts = {{&square_bar(), T}};
     return Lifting(parts, {}).meets_wall(0, bin);
   };
   EXPECT_FALSE(meets(BlockPile::at(0.11, 0, 0.0125))) << "it touches the wall";

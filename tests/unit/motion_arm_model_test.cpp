@@ -16,25 +16,25 @@ using graspd::testing::anno_xml;
 using graspd::testing::joints;
 using graspd::testing::random_joints;
 using graspd::testing::turn_between;
+using std::numbers::pi;
 using ::testing::HasSubstr;
-constexpr double kPi = std::numbers::pi;
 
 /// The arm by its Denavit-Hartenberg numbers, by MRPT. The last frame is tool0 turned by 180° about
 /// x.
 Eigen::Isometry3d T_base_flange_by_mrpt(const agent::Joints& q_rad) {
   mrpt::kinematics::CKinematicChain chain;
-  chain.addLink(q_rad[0], 0.262, 0, kPi / 2, false);
-  chain.addLink(q_rad[1] + kPi / 2, 0, 0.225, 0, false);
-  chain.addLink(q_rad[2], 0, 0, kPi / 2, false);
-  chain.addLink(q_rad[3], 0.22885535, 0, -kPi / 2, false);
-  chain.addLink(q_rad[4] - kPi / 2, 0, 0, kPi / 2, false);
+  chain.addLink(q_rad[0], 0.262, 0, pi / 2, false);
+  chain.addLink(q_rad[1] + pi / 2, 0, 0.225, 0, false);
+  chain.addLink(q_rad[2], 0, 0, pi / 2, false);
+  chain.addLink(q_rad[3], 0.22885535, 0, -pi / 2, false);
+  chain.addLink(q_rad[4] - pi / 2, 0, 0, pi / 2, false);
   chain.addLink(q_rad[5], 0.055, 0, 0, false);
   std::vector<mrpt::poses::CPose3D> poses;
   chain.recomputeAllPoses(poses);
   Eigen::Isometry3d T_base_dh;
   T_base_dh.matrix() =
       poses.back().getHomogeneousMatrixVal<mrpt::math::CMatrixDouble44>().asEigen();
-  return T_base_dh * Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX());
+  return T_base_dh * Eigen::AngleAxisd(pi, Eigen::Vector3d::UnitX());
 }
 
 TEST(ArmModel, AnnoStandsWhereItsDescriptionSays) {

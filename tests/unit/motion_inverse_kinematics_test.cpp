@@ -14,8 +14,8 @@ using graspd::testing::anno;
 using graspd::testing::anno_xml;
 using graspd::testing::random_joints;
 using graspd::testing::turn_between;
+using std::numbers::pi;
 using ::testing::HasSubstr;
-constexpr double kPi = std::numbers::pi;
 
 std::unique_ptr<InverseKinematics> make(IkKind kind) {
   return make_inverse_kinematics(kind, anno()).value();
@@ -115,7 +115,7 @@ TEST(AnnoIk, MissesNoBranchThatKdlFinds) {
     ASSERT_TRUE(all_rad);
     for (const agent::Joints& q_rad : *by_kdl_rad) {
       ++branches_n;
-      double nearest_rad = kPi;
+      double nearest_rad = pi;
       for (const agent::Joints& own_rad : *all_rad) {
         nearest_rad = std::min(nearest_rad, (own_rad - q_rad).cwiseAbs().maxCoeff());
       }
@@ -160,7 +160,7 @@ TEST(AnnoIk, KeepsJoint4WhereItTurnsAboutTheSameAxisAsJoint6) {
   const ArmModel arm = anno();
   const auto ik = make(IkKind::kAnno);
   agent::Joints q_rad(6);
-  q_rad << 0.3, -0.4, 0.5, 0.7, kPi / 2, -0.2;
+  q_rad << 0.3, -0.4, 0.5, 0.7, pi / 2, -0.2;
   const auto all_rad = ik->solve(arm.T_base_flange(q_rad), q_rad);
   ASSERT_TRUE(all_rad);
   EXPECT_LT((all_rad->front() - q_rad).cwiseAbs().maxCoeff(), 1e-6);

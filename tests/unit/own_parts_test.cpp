@@ -60,7 +60,7 @@ TEST_P(OwnPart, HasAMeshWithNothingToFind) {
 
 // --- symmetries -------------------------------------------------------------------------------
 
-constexpr double kSame_m = 0.0001;  // tessellation leaves some of it
+constexpr double kTessellation_m = 0.0001;
 constexpr double kOther_m = 0.001;
 
 /// The farthest that a pose moves the surface away from itself; looks no farther beyond kOther_m.
@@ -118,12 +118,12 @@ TEST(OwnCatalogue, HasTheSymmetriesThatTheCadSourcesSay) {
 
 TEST_P(OwnPart, FoundSymmetriesMapTheSurfaceOntoItself) {
   for (const Eigen::Isometry3d& T : part().symmetries.discrete) {
-    EXPECT_LT(residual_m(part(), T), kSame_m) << T.matrix();
+    EXPECT_LT(residual_m(part(), T), kTessellation_m) << T.matrix();
   }
   for (const ContinuousSymmetry& symmetry : part().symmetries.continuous) {
     for (const double angle_rad : {0.05, 1.0, 2.5}) {
       EXPECT_LT(residual_m(part(), turn_about(symmetry.point_m, symmetry.axis, angle_rad)),
-                kSame_m);
+                kTessellation_m);
     }
   }
 }
@@ -135,7 +135,7 @@ TEST_P(OwnPart, NoOtherTurnAboutAPrincipalAxisDoes) {
                                              angle_deg * std::numbers::pi / 180);
       const double moved_m = residual_m(part(), T);
       if (is_found(part().symmetries, T)) {
-        EXPECT_LT(moved_m, kSame_m) << "axis " << axis << ", " << angle_deg << "°";
+        EXPECT_LT(moved_m, kTessellation_m) << "axis " << axis << ", " << angle_deg << "°";
       } else {
         EXPECT_GT(moved_m, kOther_m) << "axis " << axis << ", " << angle_deg << "°";
       }

@@ -13,7 +13,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 PartDescription box_description(const TestFolder& folder, const Mesh& mesh) {
   PartDescription description;
@@ -208,7 +208,7 @@ pick_points:
   EXPECT_TRUE(top.position_m.isApprox(Eigen::Vector3d(0.001, 0.002, 0.003)));
   EXPECT_TRUE(top.approach.isApprox(-Eigen::Vector3d::UnitZ()));
   EXPECT_TRUE(top.closing.isApprox(Eigen::Vector3d::UnitY()));
-  EXPECT_NEAR(top.approach_cone_rad, kPi / 6, 1e-12);
+  EXPECT_NEAR(top.approach_cone_rad, pi / 6, 1e-12);
   EXPECT_NEAR(top.width_m, 0.012, 1e-12);
   EXPECT_EQ(top.priority, 2.5);
   EXPECT_EQ(top.gripper, "parallel_jaw");

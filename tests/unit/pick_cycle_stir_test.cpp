@@ -9,8 +9,8 @@
 namespace graspd::agent {
 namespace {
 
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 Bin turned_bin() {
   Bin bin{Eigen::Isometry3d::Identity(), {0.3, 0.2, 0.1}, 0.002};
@@ -79,13 +79,13 @@ TEST(StirTest, LongJawsGetToTheWallWhereThePalmStaysAboveTheRim) {
   const auto farthest_m = [&](double jaw_m) {
     graspd::Gripper gripper;
     gripper.jaw_size_m.z() = jaw_m;
-    Eigen::Vector2d farthest_m = Eigen::Vector2d::Zero();
+    Eigen::Vector2d extent_m = Eigen::Vector2d::Zero();
     for (const Stroke& stroke : strokes(heap, gripper, {})) {
       for (const Motion& motion : stroke) {
-        farthest_m = farthest_m.cwiseMax(in_bin(bin, motion).head<2>().cwiseAbs());
+        extent_m = extent_m.cwiseMax(in_bin(bin, motion).head<2>().cwiseAbs());
       }
     }
-    return farthest_m;
+    return extent_m;
   };
   const Eigen::Vector2d half_m = bin.inner_size_m.head<2>() / 2;
   const graspd::Gripper gripper;
@@ -128,7 +128,7 @@ TEST(StirTest, WithoutBinOrReadingsOrRoomThereIsNone) {
   EXPECT_THAT(strokes(surroundings, {}, {}), IsEmpty());
 }
 
-class SurveyTest : public testing::Test {
+class SurveyTest : public ::testing::Test {
  protected:
   SurveyTest() {
     frame.camera = {64, 48, 60, 60, 31, 24, {0.09, -0.27, 0, 0, 0.09}};

@@ -26,7 +26,7 @@ using Eigen::Vector3d;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 /// By which a found symmetry may move the surface off itself.
 constexpr double kSame_m = 1e-4;
 const double kFrictionAngle_rad = std::atan(0.4);
@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(All, PickPoints,
 
 /// Of the triangles through a point, the least angle of a normal to a direction.
 double normal_angle_rad(const Mesh& mesh, const Vector3d& p_m, const Vector3d& direction) {
-  double least_rad = kPi;
+  double least_rad = pi;
   for (const auto& [a, b, c] : mesh.triangles) {
     const auto& corner_a = mesh.vertices_m[static_cast<std::size_t>(a)];
     const auto& corner_b = mesh.vertices_m[static_cast<std::size_t>(b)];
@@ -120,7 +120,7 @@ TEST_P(PickPoints, ProposedPadsTouchASurfaceNotAPoint) {
             const double deep_m = std::abs(point.closing.dot(d_m));
             return deep_m < 0.0006 && d_m.squaredNorm() < radius_m * radius_m;
           });
-      EXPECT_GT(static_cast<double>(touching_n) * 0.0005 * 0.0005, 0.2 * kPi * radius_m * radius_m);
+      EXPECT_GT(static_cast<double>(touching_n) * 0.0005 * 0.0005, 0.2 * pi * radius_m * radius_m);
     }
   }
 }
@@ -167,7 +167,7 @@ TEST_P(PickPoints, ProposedPatchesAreFlatAndOpenToTheOutside) {
       above_n += height_m > sag_m ? 1 : 0;
     }
     EXPECT_EQ(above_n, 0);
-    EXPECT_GT(sealing_n, 0.6 * kPi * radius_m * radius_m * 1e6);
+    EXPECT_GT(sealing_n, 0.6 * pi * radius_m * radius_m * 1e6);
   }
 }
 
@@ -193,7 +193,7 @@ TEST_P(PickPoints, HaveTheImageOfEachUnderEachSymmetry) {
   std::vector<Eigen::Isometry3d> turns = symmetries.discrete;
   for (const ContinuousSymmetry& symmetry : symmetries.continuous) {
     turns.emplace_back(Eigen::Translation3d(symmetry.point_m) *
-                       Eigen::AngleAxisd(kPi / 4, symmetry.axis) *
+                       Eigen::AngleAxisd(pi / 4, symmetry.axis) *
                        Eigen::Translation3d(-symmetry.point_m));
   }
   for (const PickPoint& point : part().pick_points) {

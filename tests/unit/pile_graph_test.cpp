@@ -16,12 +16,8 @@ namespace {
 using Eigen::Vector3d;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using testing::long_bar;
 using testing::placed;
-
-const parts::Part& bar() {
-  static const parts::Part part = testing::block_part("bar", {0.100, 0.020, 0.010});
-  return part;
-}
 
 /// Upright: 60 mm wide, 50 mm high, 10 mm thick, with a window of 40 by 30 mm.
 const parts::Part& frame() {
@@ -45,8 +41,8 @@ const parts::Part& frame() {
 }
 
 TEST(PileGraph, OneOnTopOfTheOther) {
-  const std::vector<PlacedPart> stack = {placed(bar(), {0, 0, 0.005}),
-                                         placed(bar(), {0, 0, 0.015}, {0, 0, M_PI / 2})};
+  const std::vector<PlacedPart> stack = {placed(long_bar(), {0, 0, 0.005}),
+                                         placed(long_bar(), {0, 0, 0.015}, {0, 0, M_PI / 2})};
   const PileGraph graph = make_pile_graph(stack, {});
   EXPECT_THAT(graph.lies_on[1], ElementsAre(0));
   EXPECT_THAT(graph.supports[0], ElementsAre(1));
@@ -61,8 +57,8 @@ TEST(PileGraph, OneOnTopOfTheOther) {
 }
 
 TEST(PileGraph, SideBySideNothingRests) {
-  const std::vector<PlacedPart> row = {placed(bar(), {0, 0, 0.005}),
-                                       placed(bar(), {0, 0.0205, 0.005})};
+  const std::vector<PlacedPart> row = {placed(long_bar(), {0, 0, 0.005}),
+                                       placed(long_bar(), {0, 0.0205, 0.005})};
   const PileGraph graph = make_pile_graph(row, {});
   for (std::size_t i : {0U, 1U}) {
     EXPECT_THAT(graph.lies_on[i], IsEmpty());
@@ -73,9 +69,10 @@ TEST(PileGraph, SideBySideNothingRests) {
 TEST(PileGraph, ABridgeRestsHalfOnEachPillarAndOneWithoutContactIsOverTheMiddle) {
   const parts::Part small = testing::block_part("small", {0.020, 0.014, 0.008});
   const Vector3d x_to_y_to_z = Vector3d::Constant(2 * M_PI / 3 / std::sqrt(3.0));  // on edge
-  const std::vector<PlacedPart> bridge = {
-      placed(bar(), {-0.035, 0, 0.010}, x_to_y_to_z), placed(bar(), {0.035, 0, 0.010}, x_to_y_to_z),
-      placed(bar(), {0, 0, 0.025}), placed(small, {0, 0, 0.004})};
+  const std::vector<PlacedPart> bridge = {placed(long_bar(), {-0.035, 0, 0.010}, x_to_y_to_z),
+                                          placed(long_bar(), {0.035, 0, 0.010}, x_to_y_to_z),
+                                          placed(long_bar(), {0, 0, 0.025}),
+                                          placed(small, {0, 0, 0.004})};
   const PileGraph graph = make_pile_graph(bridge, {});
   EXPECT_THAT(graph.lies_on[2], ElementsAre(0, 1));
   EXPECT_NEAR(graph.load[0], 0.5, 0.1);
@@ -89,7 +86,7 @@ TEST(PileGraph, ABridgeRestsHalfOnEachPillarAndOneWithoutContactIsOverTheMiddle)
 TEST(PileGraph, WeightGoesDownThroughOthers) {
   std::vector<PlacedPart> tower;
   for (int i = 0; i < 5; ++i) {
-    tower.push_back(placed(bar(), {0, 0, 0.005 + 0.010 * i}, {0, 0, i % 2 * M_PI / 2}));
+    tower.push_back(placed(long_bar(), {0, 0, 0.005 + 0.010 * i}, {0, 0, i % 2 * M_PI / 2}));
   }
   const PileGraph graph = make_pile_graph(tower, {});
   for (std::size_t i = 0; i + 1 < tower.size(); ++i) {
@@ -101,8 +98,8 @@ TEST(PileGraph, WeightGoesDownThroughOthers) {
 
 TEST(PileGraph, WhatRunsThroughAFrameIsEntangledWithIt) {
   const std::vector<PlacedPart> pile = {placed(frame(), {0, 0, 0.025}),
-                                        placed(bar(), {0, 0, 0.0155}, {0, 0, M_PI / 2}),
-                                        placed(bar(), {0.06, 0, 0.005}, {0, 0, M_PI / 2})};
+                                        placed(long_bar(), {0, 0, 0.0155}, {0, 0, M_PI / 2}),
+                                        placed(long_bar(), {0.06, 0, 0.005}, {0, 0, M_PI / 2})};
   const PileGraph graph = make_pile_graph(pile, {});
   EXPECT_THAT(graph.entangled_with[0], ElementsAre(1));
   EXPECT_THAT(graph.entangled_with[1], ElementsAre(0));
@@ -114,7 +111,7 @@ TEST(PileGraph, WhatRunsThroughAFrameIsEntangledWithIt) {
 std::vector<PlacedPart> ring_of_bars() {
   std::vector<PlacedPart> ring;
   for (int i = 0; i < 4; ++i) {
-    PlacedPart part{&bar(), Eigen::Isometry3d::Identity()};
+    PlacedPart part{&long_bar(), Eigen::Isometry3d::Identity()};
     part.T_floor_part.rotate(Eigen::AngleAxisd(i * M_PI / 2, Vector3d::UnitZ()));
     part.T_floor_part.translate(Vector3d(0, -0.035, 0.012));
     part.T_floor_part.rotate(Eigen::AngleAxisd(-0.143, Vector3d::UnitY()));
@@ -155,7 +152,7 @@ TEST(PileGraph, OfRandomPilesIsAcyclicSymmetricAndItsLoadIsTheEdges) {
   std::mt19937 random(3);
   std::size_t edges_n = 0;
   for (int round = 0; round < 10; ++round) {
-    const auto pile = testing::random_pile(bar(), 25, random);
+    const auto pile = testing::random_pile(long_bar(), 25, random);
     const PileGraph graph = make_pile_graph(pile, {});
     EXPECT_TRUE(is_acyclic(graph));
     for (std::uint32_t i = 0; i < pile.size(); ++i) {
@@ -176,7 +173,7 @@ TEST(PileGraph, OfRandomPilesIsAcyclicSymmetricAndItsLoadIsTheEdges) {
 
 TEST(PileGraph, TheOrderOfThePartsDoesNotMatter) {
   std::mt19937 random(4);
-  const auto pile = testing::random_pile(bar(), 25, random);
+  const auto pile = testing::random_pile(long_bar(), 25, random);
   std::vector<std::uint32_t> order(pile.size());
   std::iota(order.begin(), order.end(), 0U);
   std::shuffle(order.begin(), order.end(), random);
@@ -199,7 +196,7 @@ TEST(PileGraph, TheOrderOfThePartsDoesNotMatter) {
 
 TEST(PileGraph, WithoutPartsOrWithOneIsEmpty) {
   EXPECT_TRUE(make_pile_graph({}, {}).load.empty());
-  const std::vector<PlacedPart> one = {placed(bar(), {0, 0, 0.005})};
+  const std::vector<PlacedPart> one = {placed(long_bar(), {0, 0, 0.005})};
   EXPECT_TRUE(make_pile_graph(one, {}).is_free(0));
 }
 

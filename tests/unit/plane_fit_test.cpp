@@ -11,28 +11,28 @@ namespace {
 using Eigen::Vector3f;
 
 // No whole number of vectors wide.
-constexpr PixelGrid kPixels{43, 31, 365, 360, 20, 15};
+constexpr PixelGrid kImage{43, 31, 365, 360, 20, 15};
 constexpr int kReach_px = 3;
 
 struct Fitted {
   std::vector<Vector3f> normals;
   std::vector<float> curvatures;
 
-  explicit Fitted(const std::vector<float>& z_m) { fit_planes(z_m, kPixels, normals, curvatures); }
+  explicit Fitted(const std::vector<float>& z_m) { fit_planes(z_m, kImage, normals, curvatures); }
 };
 
-std::size_t cell(int u, int v) { return static_cast<std::size_t>(v * kPixels.width_px + u); }
+std::size_t cell(int u, int v) { return static_cast<std::size_t>(v * kImage.width_px + u); }
 
 Vector3f ray(int u, int v) {
-  return {(static_cast<float>(u) - kPixels.cx_px) / kPixels.fx_px,
-          (static_cast<float>(v) - kPixels.cy_px) / kPixels.fy_px, 1};
+  return {(static_cast<float>(u) - kImage.cx_px) / kImage.fx_px,
+          (static_cast<float>(v) - kImage.cy_px) / kImage.fy_px, 1};
 }
 
 /// Depths of a plane through (0, 0, 0.7) seen along each pixel's ray.
 std::vector<float> plane_seen(const Vector3f& normal) {
   std::vector<float> z_m;
-  for (int v = 0; v < kPixels.height_px; ++v) {
-    for (int u = 0; u < kPixels.width_px; ++u) {
+  for (int v = 0; v < kImage.height_px; ++v) {
+    for (int u = 0; u < kImage.width_px; ++u) {
       z_m.push_back(normal.z() * 0.7F / normal.dot(ray(u, v)));
     }
   }
@@ -61,14 +61,14 @@ TEST(FitPlanes, IsLeastSquaresOverTheSameSurface) {
   }
   const Fitted fitted(z_m);
   int compared_n = 0;
-  for (int v = 0; v < kPixels.height_px; ++v) {
-    for (int u = 0; u < kPixels.width_px; ++u) {
+  for (int v = 0; v < kImage.height_px; ++v) {
+    for (int u = 0; u < kImage.width_px; ++u) {
       const float here_m = z_m[cell(u, v)];
       std::vector<Vector3f> rows;
       std::vector<float> depths_m;
-      for (int y = std::max(0, v - kReach_px); y <= std::min(kPixels.height_px - 1, v + kReach_px);
+      for (int y = std::max(0, v - kReach_px); y <= std::min(kImage.height_px - 1, v + kReach_px);
            ++y) {
-        for (int x = std::max(0, u - kReach_px); x <= std::min(kPixels.width_px - 1, u + kReach_px);
+        for (int x = std::max(0, u - kReach_px); x <= std::min(kImage.width_px - 1, u + kReach_px);
              ++x) {
           const float there_m = z_m[cell(x, y)];
           if (there_m <= 0 || std::abs(there_m - here_m) > 0.008F) continue;
@@ -90,7 +90,7 @@ TEST(FitPlanes, IsLeastSquaresOverTheSameSurface) {
       }
       const Vector3f fit = A.colPivHouseholderQr().solve(b).cast<float>();
       // Two more points of the fitted plane, a pixel away in depth per pixel.
-      const float gx = fit.x() * kPixels.fx_px / here_m, gy = fit.y() * kPixels.fy_px / here_m;
+      const float gx = fit.x() * kImage.fx_px / here_m, gy = fit.y() * kImage.fy_px / here_m;
       const Vector3f r = ray(u, v);
       const Vector3f expected = Vector3f(gx, gy, -1 - gx * r.x() - gy * r.y()).normalized();
       EXPECT_LT((normal - expected).norm(), 2e-3F) << u << ", " << v;
@@ -102,8 +102,8 @@ TEST(FitPlanes, IsLeastSquaresOverTheSameSurface) {
 
 TEST(FitPlanes, CurvatureIsHighOnARidge) {
   std::vector<float> z_m;
-  for (int v = 0; v < kPixels.height_px; ++v) {
-    for (int u = 0; u < kPixels.width_px; ++u) {
+  for (int v = 0; v < kImage.height_px; ++v) {
+    for (int u = 0; u < kImage.width_px; ++u) {
       z_m.push_back(0.7F + 0.002F * static_cast<float>(std::abs(u - 20)));
     }
   }
@@ -115,7 +115,7 @@ TEST(FitPlanes, CurvatureIsHighOnARidge) {
 
 TEST(FitPlanes, AStepDoesNotTiltTheSurfacesBesideIt) {
   std::vector<float> z_m;
-  for (std::size_t i = 0; i < cell(0, kPixels.height_px); ++i) {
+  for (std::size_t i = 0; i < cell(0, kImage.height_px); ++i) {
     z_m.push_back(i % 43 < 20 ? 0.65F : 0.7F);
   }
   for (const Vector3f& normal : Fitted(z_m).normals) EXPECT_LT(normal.z(), -std::cos(0.02F));

@@ -5,33 +5,23 @@
 #include <limits>
 #include <random>
 
-#include "block_scene.hpp"
+#include "block_pile.hpp"
 #include "random_pose.hpp"
 
 namespace graspd::perception {
 namespace {
 
 using Eigen::Vector3d;
-
-const parts::Part& bar() {
-  static const parts::Part part = testing::block_part("bar", {0.080, 0.020, 0.010});
-  return part;
-}
-
-PlacedPart at(const Vector3d& p_m, double yaw_rad = 0) {
-  PlacedPart placed{&bar(), Eigen::Isometry3d::Identity()};
-  placed.T_floor_part.translate(p_m);
-  placed.T_floor_part.rotate(Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()));
-  return placed;
-}
+using testing::bar;
+using testing::bar_at;
 
 TEST(GraspPoint, AloneIsTheBarycentre) {
-  const std::vector<PlacedPart> parts = {at({0.1, 0.2, 0.005})};
+  const std::vector<PlacedPart> parts = {bar_at({0.1, 0.2, 0.005})};
   EXPECT_TRUE(grasp_point(0, parts, {}).isApprox(Vector3d(0.1, 0.2, 0.005)));
 }
 
 TEST(GraspPoint, WithoutTheNeighbourTermIsTheBarycentre) {
-  const std::vector<PlacedPart> parts = {at({0, 0, 0.005}), at({0, 0.03, 0.005})};
+  const std::vector<PlacedPart> parts = {bar_at({0, 0, 0.005}), bar_at({0, 0.03, 0.005})};
   GraspParameters parameters;
   parameters.k4 = 0;
   EXPECT_TRUE(grasp_point(0, parts, parameters).isApprox(Vector3d(0, 0, 0.005), 1e-9));
@@ -42,7 +32,7 @@ TEST(GraspPoint, MinimisesTheWeightedSumOfBothDistances) {
   // dn(x) = 0.07 − x and de(x) = |x|. With k3 = 1, k4 = −2 the sum is |x| − 2·(0.07 − x): for
   // x < 0 it is x − 0.14, least at the far end. The bar ends at −0.04; the last step on it may be
   // one step before.
-  const std::vector<PlacedPart> parts = {at({0, 0, 0.005}), at({0.08, 0, 0.005}, M_PI / 2)};
+  const std::vector<PlacedPart> parts = {bar_at({0, 0, 0.005}), bar_at({0.08, 0, 0.005}, M_PI / 2)};
   GraspParameters parameters;
   parameters.k3 = 1;
   parameters.k4 = -2;
@@ -60,7 +50,7 @@ TEST(GraspPoint, StaysAtTheBarycentreWhereTheNeighbourWeighsNoMoreThanTheDistanc
   for (int i = 0; i < 20; ++i) {
     std::vector<PlacedPart> parts;
     for (int k = 0; k < 5; ++k) {
-      parts.push_back(at(testing::random_point(random, 0.12F).cast<double>(), 0.5 * k));
+      parts.push_back(bar_at(testing::random_point(random, 0.12F).cast<double>(), 0.5 * k));
     }
     GraspParameters searched;
     searched.k3 = 1 - 1e-4;

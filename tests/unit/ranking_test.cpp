@@ -14,17 +14,13 @@ namespace graspd::perception {
 namespace {
 
 using Eigen::Vector3d;
-
-const parts::Part& bar() {
-  static const parts::Part part = testing::block_part("bar", {0.100, 0.020, 0.010});
-  return part;
-}
+using testing::long_bar;
 
 class Ranking : public ::testing::Test {
  protected:
   /// 20 objects of two kinds, two or three grasps each, in random order.
   void make_pile(std::mt19937& random) {
-    const auto pile = testing::random_pile(bar(), 20, random);
+    const auto pile = testing::random_pile(long_bar(), 20, random);
     objects_.assign(pile.size(), {});
     for (std::size_t i = 0; i < pile.size(); ++i) {
       objects_[i].id = static_cast<std::uint32_t>(100 + 7 * i);
@@ -154,7 +150,8 @@ TEST_F(Ranking, OfALayerTheRoomiestComesFirst) {
       last_m = grasp.room_m;
       rooms_m.insert(last_m);
       for (const Grasp& other : grasps_) {
-        if (other.object_id == grasp.object_id) EXPECT_LE(other.room_m, grasp.room_m);
+        if (other.object_id != grasp.object_id) continue;
+        EXPECT_LE(other.room_m, grasp.room_m);
       }
     }
   }

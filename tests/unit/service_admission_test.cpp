@@ -3,13 +3,12 @@
 #include <set>
 
 #include "graspd/service/admission.hpp"
+#include "start_time.hpp"
 
 namespace graspd::service {
 namespace {
 
 using std::chrono::milliseconds;
-
-const TimePoint kStart{milliseconds(1'000'000)};
 
 Waiting waiting(Ticket ticket, std::string cell, milliseconds budget) {
   return {ticket, std::move(cell), kStart + budget};

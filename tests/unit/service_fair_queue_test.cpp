@@ -5,13 +5,13 @@
 #include <set>
 
 #include "graspd/service/fair_queue.hpp"
+#include "start_time.hpp"
 
 namespace graspd::service {
 namespace {
 
 using std::chrono::milliseconds;
 
-const TimePoint kStart{milliseconds(1'000'000)};
 const TimePoint kNever = kStart + std::chrono::hours(1);
 
 Waiting waiting(Ticket ticket, std::string cell, TimePoint deadline = kNever) {

@@ -2,14 +2,13 @@
 #include <gtest/gtest.h>
 
 #include "graspd/service/supervisor.hpp"
+#include "start_time.hpp"
 
 namespace graspd::service {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-
-const TimePoint kStart{seconds(1000)};
 
 /// Workers that exist only as far as the supervisor can tell.
 struct FakeWorker {

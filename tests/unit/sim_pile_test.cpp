@@ -12,7 +12,7 @@ using testing::box_mesh;
 using ::testing::HasSubstr;
 using testing::pipe_mesh;
 
-const Eigen::Vector3d kBox_m(0.02, 0.03, 0.05);
+const Eigen::Vector3d kBrick_m(0.02, 0.03, 0.05);
 const Eigen::Vector3d kBin_m(0.2, 0.16, 0.1);
 
 bool same(const Pile& a, const Pile& b) {
@@ -26,7 +26,7 @@ bool same(const Pile& a, const Pile& b) {
   return true;
 }
 
-/// How deep two boxes of size kBox_m overlap, by the separating axis theorem; negative: apart.
+/// How deep two boxes of size kBrick_m overlap, by the separating axis theorem; negative: apart.
 double overlap_m(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   std::vector<Eigen::Vector3d> axes;
   for (int i = 0; i < 3; ++i) {
@@ -39,8 +39,8 @@ double overlap_m(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   }
   double least = std::numeric_limits<double>::max();
   for (const auto& axis : axes) {
-    const double half_a = (a.linear().transpose() * axis).cwiseAbs().dot(kBox_m / 2);
-    const double half_b = (b.linear().transpose() * axis).cwiseAbs().dot(kBox_m / 2);
+    const double half_a = (a.linear().transpose() * axis).cwiseAbs().dot(kBrick_m / 2);
+    const double half_b = (b.linear().transpose() * axis).cwiseAbs().dot(kBrick_m / 2);
     least =
         std::min(least, half_a + half_b - std::abs((a.translation() - b.translation()).dot(axis)));
   }
@@ -49,7 +49,7 @@ double overlap_m(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
 
 class PileTest : public ::testing::Test {
  protected:
-  const PileMaker boxes{{box_mesh(kBox_m)}};
+  const PileMaker boxes{{box_mesh(kBrick_m)}};
 };
 
 TEST_F(PileTest, ABoxAloneLiesOnOneOfItsFaces) {
@@ -60,7 +60,7 @@ TEST_F(PileTest, ABoxAloneLiesOnOneOfItsFaces) {
     // The face's normal is vertical, and the centre half the box's size above the floor.
     Eigen::Index axis = 0;
     EXPECT_GT(T.linear().row(2).cwiseAbs().maxCoeff(&axis), std::cos(0.02)) << seed;
-    EXPECT_NEAR(T.translation().z(), kBox_m[axis] / 2, 0.0005) << seed;
+    EXPECT_NEAR(T.translation().z(), kBrick_m[axis] / 2, 0.0005) << seed;
     EXPECT_TRUE((T.linear() * T.linear().transpose()).isIdentity(1e-6));
   }
 }
@@ -73,7 +73,7 @@ TEST_F(PileTest, PartsLieWithinTheBinAndOutOfEachOther) {
     EXPECT_LE(pile->deepest_penetration_m, PileOptions().max_penetration_m);
     for (std::size_t i = 0; i < pile->parts.size(); ++i) {
       const Eigen::Isometry3d& T = pile->parts[i].T_bin_part;
-      const Eigen::Vector3d half_m = T.linear().cwiseAbs() * kBox_m / 2;
+      const Eigen::Vector3d half_m = T.linear().cwiseAbs() * kBrick_m / 2;
       EXPECT_GT(T.translation().z() - half_m.z(), -0.001);
       if (T.translation().z() + half_m.z() < kBin_m.z()) {
         EXPECT_LT(std::abs(T.translation().x()) + half_m.x(), kBin_m.x() / 2 + 0.001);
@@ -91,7 +91,8 @@ TEST_F(PileTest, NoPartHangsInTheAir) {
   ASSERT_TRUE(pile);
   for (std::size_t i = 0; i < pile->parts.size(); ++i) {
     Eigen::Isometry3d lower = pile->parts[i].T_bin_part;
-    const double bottom_m = lower.translation().z() - (lower.linear().cwiseAbs() * kBox_m / 2).z();
+    const double bottom_m =
+        lower.translation().z() - (lower.linear().cwiseAbs() * kBrick_m / 2).z();
     if (bottom_m < 0.001) continue;
     lower.translation().z() -= 0.0015;
     bool held = false;
@@ -121,7 +122,7 @@ TEST_F(PileTest, PilesMadeAtOnceAreThoseMadeOneByOne) {
 }
 
 TEST_F(PileTest, KindsAreMixed) {
-  const PileMaker two({box_mesh(kBox_m), pipe_mesh(0.012, 0.009, 0.04)});
+  const PileMaker two({box_mesh(kBrick_m), pipe_mesh(0.012, 0.009, 0.04)});
   const auto pile = two.drop({6, 9}, kBin_m, 3);
   ASSERT_TRUE(pile) << pile.error().message;
   const auto of_kind = [&](std::size_t kind) {

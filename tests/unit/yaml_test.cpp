@@ -124,7 +124,7 @@ TEST_F(Yaml, SaysThatAFileIsMissing) {
   EXPECT_THAT(ok.error().message, ::testing::Not(HasSubstr("missing"))) << "one fault is enough";
 }
 
-constexpr const char* kCamera =
+constexpr const char* kOpenCvCamera =
     "%YAML:1.0\n---\n"
     "image_width: 512\nimage_height: 424\n"
     "camera_matrix: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n"
@@ -133,7 +133,7 @@ constexpr const char* kCamera =
     "  data: [0.09, -0.27, 0.001, 0.002, 0.095]\n";
 
 TEST_F(Yaml, ReadsACalibrationAsOpenCvWritesIt) {
-  const auto calibration = read_camera(folder_.write("camera.yaml", kCamera));
+  const auto calibration = read_camera(folder_.write("camera.yaml", kOpenCvCamera));
   ASSERT_TRUE(calibration) << calibration.error().message;
   EXPECT_EQ(calibration->camera.width_px, 512);
   EXPECT_EQ(calibration->camera.fy_px, 365.6);
@@ -144,12 +144,12 @@ TEST_F(Yaml, ReadsACalibrationAsOpenCvWritesIt) {
 }
 
 TEST_F(Yaml, NamesWhatIsWrongWithACalibration) {
-  std::string text = kCamera;
+  std::string text = kOpenCvCamera;
   text.replace(text.find("365.5"), 5, "0.000");
   const auto zero = read_camera(folder_.write("camera.yaml", text));
   ASSERT_FALSE(zero);
   EXPECT_THAT(zero.error().message, AllOf(HasSubstr("camera.yaml"), HasSubstr("fx_px")));
-  text = kCamera;
+  text = kOpenCvCamera;
   text.replace(text.find("rows: 3"), 7, "rows: 2");
   const auto shape = read_camera(folder_.write("camera.yaml", text));
   ASSERT_FALSE(shape);

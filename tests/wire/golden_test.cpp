@@ -214,7 +214,9 @@ Answer health_answer() {
                                .answered_n = 5'000'000'000,
                                .uptime_s = 86400.5,
                                .part_ids = {"tee", "elbow"},
-                               .server = kServer}};
+                               .server = kServer,
+                               .answers_by_code = {},
+                               .stages = {}}};
 }
 
 /// With what the server counts.

@@ -27,6 +27,9 @@ struct Edit {
 };
 inline const std::string kClear = "clear";
 
+/// Names a test after its row.
+inline const auto kRowName = [](const auto& test) { return test.param.name; };
+
 namespace schema {
 
 inline const pb::Descriptor& type(const std::string& name) {

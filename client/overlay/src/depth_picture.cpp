@@ -16,7 +16,7 @@ constexpr double kBrightest = 225;
 constexpr double kTails = 0.02;    // of the readings, at each end, that may be out of the contrast
 constexpr double kStrays = 0.005;  // of the readings, at each edge, that may be out of the view
 constexpr std::size_t kFewReadings = 200;
-constexpr int kMargin_px = 10;
+constexpr int kViewMargin_px = 10;
 constexpr int kWidth_px = 1100;
 
 /// The box that the contrast is made for, or none.
@@ -84,7 +84,7 @@ std::pair<int, int> range_of(const std::vector<Pixel>& pixels, double tail, Quan
 
 /// [first, last] widened by the margin and to the least size, within 0 … size.
 std::pair<int, int> widened(std::pair<int, int> range, int size_px) {
-  const int length_px = std::max(range.second - range.first + 1 + 2 * kMargin_px, size_px / 4);
+  const int length_px = std::max(range.second - range.first + 1 + 2 * kViewMargin_px, size_px / 4);
   const int centre_px = (range.first + range.second) / 2;
   const int begin_px = std::clamp(centre_px - length_px / 2, 0, size_px - 1);
   return {begin_px, std::min(begin_px + length_px, size_px)};

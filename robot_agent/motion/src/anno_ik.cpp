@@ -15,7 +15,7 @@
 namespace graspd::motion {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 /// Below this a sine or a radius says no angle: the joint stays where it was.
 constexpr double kSingular = 1e-9;
 
@@ -38,20 +38,20 @@ Eigen::Matrix3d about_z(double q_rad) {
 
 /// Of the frame in which the wrist turns; its z is along the forearm.
 Eigen::Matrix3d forearm_rotation(double q1_rad, double q2_rad, double q3_rad) {
-  return about_z(q1_rad) * about_y(-(q2_rad + q3_rad + kPi / 2)) * about_x(kPi);
+  return about_z(q1_rad) * about_y(-(q2_rad + q3_rad + pi / 2)) * about_x(pi);
 }
 
 Eigen::Isometry3d T_base_flange(const Lengths& of, const agent::Joints& q_rad) {
-  const double upper_rad = q_rad[1] + kPi / 2;
+  const double upper_rad = q_rad[1] + pi / 2;
   const double fore_rad = q_rad[1] + q_rad[2];
   const Eigen::Matrix3d R_base_tip = forearm_rotation(q_rad[0], q_rad[1], q_rad[2]) *
-                                     about_z(q_rad[3]) * about_y(q_rad[4] - kPi / 2) *
+                                     about_z(q_rad[3]) * about_y(q_rad[4] - pi / 2) *
                                      about_z(q_rad[5]);
   const double r_m = of.a2_m * std::cos(upper_rad) + of.d4_m * std::cos(fore_rad);
   const double h_m = of.d1_m + of.a2_m * std::sin(upper_rad) + of.d4_m * std::sin(fore_rad);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation() = about_z(q_rad[0]) * Eigen::Vector3d(r_m, 0, h_m) + of.d6_m * R_base_tip.col(2);
-  T.linear() = R_base_tip * about_x(kPi);
+  T.linear() = R_base_tip * about_x(pi);
   return T;
 }
 
@@ -108,8 +108,8 @@ class AnnoIk final : public InverseKinematics {
         const double phi_rad =
             std::atan2(h_m, side * r_m) -
             std::atan2(of_.d4_m * std::sin(gamma_rad), of_.a2_m + of_.d4_m * std::cos(gamma_rad));
-        const Eigen::Vector3d shoulder_rad(side > 0 ? q1_rad : q1_rad + kPi, phi_rad - kPi / 2,
-                                           gamma_rad + kPi / 2);
+        const Eigen::Vector3d shoulder_rad(side > 0 ? q1_rad : q1_rad + pi, phi_rad - pi / 2,
+                                           gamma_rad + pi / 2);
         add_wrists(T_base_flange.linear(), shoulder_rad, near_rad, all_rad);
       }
     }
@@ -123,7 +123,7 @@ class AnnoIk final : public InverseKinematics {
                          const agent::Joints& near_rad, std::vector<agent::Joints>& all_rad) {
     const Eigen::Matrix3d R =
         forearm_rotation(shoulder_rad[0], shoulder_rad[1], shoulder_rad[2]).transpose() *
-        R_base_flange * about_x(-kPi);
+        R_base_flange * about_x(-pi);
     const double sin_5 = std::hypot(R(0, 2), R(1, 2));
     for (const double sign : {1.0, -1.0}) {
       const double theta_5_rad = std::atan2(sign * sin_5, R(2, 2));
@@ -135,7 +135,7 @@ class AnnoIk final : public InverseKinematics {
         q6_rad = std::atan2(R_6(1, 0), R_6(0, 0));
       }
       agent::Joints q_rad(6);
-      q_rad << shoulder_rad, q4_rad, theta_5_rad + kPi / 2, q6_rad;
+      q_rad << shoulder_rad, q4_rad, theta_5_rad + pi / 2, q6_rad;
       all_rad.push_back(std::move(q_rad));
     }
   }
@@ -152,9 +152,9 @@ Lengths measure(const ArmModel& arm) {
     q_rad[4] = q5_rad;
     return arm.T_base_flange(q_rad).translation();
   };
-  const Eigen::Vector3d down_m = flange_m(0, 0);                    // (d4, 0, d1 + a2 - d6)
-  const Eigen::Vector3d ahead_m = flange_m(0, kPi / 2);             // (d4 + d6, 0, d1 + a2)
-  const Eigen::Vector3d stretched_m = flange_m(-kPi / 2, kPi / 2);  // (a2, 0, d1 - d4 - d6)
+  const Eigen::Vector3d down_m = flange_m(0, 0);                  // (d4, 0, d1 + a2 - d6)
+  const Eigen::Vector3d ahead_m = flange_m(0, pi / 2);            // (d4 + d6, 0, d1 + a2)
+  const Eigen::Vector3d stretched_m = flange_m(-pi / 2, pi / 2);  // (a2, 0, d1 - d4 - d6)
   Lengths of;
   of.d4_m = down_m.x();
   of.d6_m = ahead_m.x() - down_m.x();
@@ -171,7 +171,7 @@ Result<std::unique_ptr<InverseKinematics>> make_anno_ik(const ArmModel& arm) {
   }
   const Lengths lengths = measure(arm);
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> uniform(-kPi, kPi);
+  std::uniform_real_distribution<double> uniform(-pi, pi);
   for (int i = 0; i < 20; ++i) {
     const agent::Joints q_rad = agent::Joints::NullaryExpr(6, [&] { return uniform(random); });
     constexpr double kSame = 1e-6;

@@ -3,15 +3,17 @@
 #include <LinearMath/btConvexHullComputer.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace graspd::sim_cell {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
 constexpr double kWall_m = 0.05;  // thick, so that nothing is pushed through
-constexpr double kTable_m = 4;    // what falls beside the bin lies there
+constexpr double kGround_m = 4;   // what falls beside the bin lies there
 constexpr int kSolverIterations = 30;
 constexpr double kRollingFriction = 0.01;
+constexpr double kThickening_s = 0.3;
+constexpr double kThickest = 5;  // in factors of ten
 
 /// A hull drawn in by Bullet's collision margin, which then brings it back to its true size.
 std::unique_ptr<btConvexHullShape> make_hull(const ConvexPiece& piece,
@@ -60,7 +62,7 @@ BulletWorld::BulletWorld(const Eigen::Vector3d& bin_inner_size_m, double frictio
   world_.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
   world_.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   const Eigen::Vector3d& size = bin_inner_size_m;
-  add_wall({0, 0, -kWall_m / 2}, {kTable_m, kTable_m, kWall_m});
+  add_wall({0, 0, -kWall_m / 2}, {kGround_m, kGround_m, kWall_m});
   for (const double side : {-1.0, 1.0}) {
     add_wall({side * (size.x() + kWall_m) / 2, 0, size.z() / 2},
              {kWall_m, size.y() + 2 * kWall_m, size.z()});
@@ -190,6 +192,11 @@ void BulletWorld::make_kinematic(btRigidBody* body) {
   body->setMassProps(0, btVector3(0, 0, 0));
   body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
   world_.addRigidBody(body);
+}
+
+double settling_damping(double settling_s, double air_damping) {
+  const double tens = std::min(settling_s / kThickening_s, kThickest);
+  return std::max(air_damping, 1 - std::pow(0.1, tens));
 }
 
 Eigen::Isometry3d pose_of(const btRigidBody& body, const PartShape& shape) {

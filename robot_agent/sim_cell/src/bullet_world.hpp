@@ -14,6 +14,7 @@ namespace graspd::sim_cell {
 
 inline constexpr double kScale = 10;
 inline constexpr double kMargin_m = 0.0005;
+inline constexpr double kGravity_m_s2 = 9.81;
 
 /// The collision shape of one kind of part. Bullet takes a body's origin for its centre of mass:
 /// the pieces are shifted so that it is.
@@ -92,6 +93,11 @@ class BulletWorld {
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
   std::vector<Move> moves_;  ///< of the next step
 };
+
+/// Many-cornered hulls rattle on and on: while a pile settles, the air thickens. The share of its
+/// speed that a part keeps over a second falls by a factor of ten in each 0.3 s.
+/// \param air_damping the least of it
+double settling_damping(double settling_s, double air_damping);
 
 /// Pose of the part frame in the bin, from and to a body.
 Eigen::Isometry3d pose_of(const btRigidBody& body, const PartShape& shape);

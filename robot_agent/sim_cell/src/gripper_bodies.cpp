@@ -8,7 +8,7 @@ namespace graspd::sim_cell {
 namespace {
 
 constexpr double kJawMass_kg = 0.15;
-constexpr std::array kSides{-1, 1};
+constexpr std::array kJawSides{-1, 1};
 
 }  // namespace
 
@@ -67,7 +67,8 @@ void GripperBodies::move_in_next_step(const Eigen::Isometry3d& T_bin_grasp, doub
   if (is_gripping_) return;
   opening_m_ = opening_m;
   for (std::size_t i = 0; i < jaws_.size(); ++i) {
-    world_.move_in_next_step(jaws_[i].body.get(), T_bin_grasp * T_grasp_jaw(kSides[i], opening_m));
+    world_.move_in_next_step(jaws_[i].body.get(),
+                             T_bin_grasp * T_grasp_jaw(kJawSides[i], opening_m));
   }
 }
 
@@ -76,7 +77,7 @@ void GripperBodies::grip() {
   is_gripping_ = true;
   for (std::size_t i = 0; i < jaws_.size(); ++i) {
     set_mass(jaws_[i], kJawMass_kg);
-    constraints_.push_back(slider(kSides[i]));
+    constraints_.push_back(slider(kJawSides[i]));
   }
   constraints_.push_back(
       std::make_unique<JawCoupling>(*jaws_[0].body, *jaws_[1].body, *palm_.body));

@@ -16,9 +16,6 @@ constexpr double kFineStep_s = 1.0 / 480;
 constexpr int kFineIterations = 100;
 
 constexpr double kSettleWithin_s = 4;
-/// While the pile settles the air thickens, as when it was made.
-constexpr double kThickening_s = 0.3;
-constexpr double kThickest = 5;
 constexpr double kAirDamping = 0.3;
 
 std::vector<PartShape> shapes_of(const std::vector<parts::Mesh>& kinds, double density_kg_m3) {
@@ -90,8 +87,7 @@ void PhysicsCell::Impl::settle() {
   const double credit_s = time_s - std::exchange(paused_at_s, {}).value_or(time_s);
   const double start_s = time_s;
   while (parts.is_any_loose() && time_s < start_s + kSettleWithin_s) {
-    const double tens = std::min((time_s - start_s) / kThickening_s, kThickest);
-    parts.set_damping(std::max(kAirDamping, 1 - std::pow(0.1, tens)));
+    parts.set_damping(settling_damping(time_s - start_s, kAirDamping));
     step(step_s(), gripper.T_bin_grasp(), gripper.opening_m());
   }
   parts.set_damping(kAirDamping);

@@ -11,11 +11,7 @@
 namespace graspd::sim_cell {
 namespace {
 
-/// Many-cornered hulls rattle on and on: while a pile settles, the air thickens. The share of its
-/// speed that a part keeps over a second falls by a factor of ten in each such time.
-constexpr double kThickening_s = 0.3;
-constexpr double kThickest = 5;
-constexpr double kAirDamping = 0.05;
+constexpr double kDropDamping = 0.05;
 constexpr double kDropGap_m = 0.005;
 
 struct Body {
@@ -53,8 +49,7 @@ class Drop {
     const double start_s = pile_.simulated_s;
     double still_speed_m_s = 0;
     do {
-      const double tens = (pile_.simulated_s - start_s) / kThickening_s;
-      set_damping(std::max(kAirDamping, 1 - std::pow(0.1, std::min(tens, kThickest))));
+      set_damping(settling_damping(pile_.simulated_s - start_s, kDropDamping));
       const std::vector<Eigen::Isometry3d> before = poses();
       const double window_start_s = pile_.simulated_s;
       while (pile_.simulated_s < window_start_s + options_.still_for_s) step();
@@ -67,7 +62,7 @@ class Drop {
   /// Drops every part that lies beside the bin again. \returns whether there was one.
   bool drop_strays_again() {
     bool any = false;
-    set_damping(kAirDamping);
+    set_damping(kDropDamping);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       if (!is_stray(bodies_[i])) continue;
       release(bodies_[i], i);

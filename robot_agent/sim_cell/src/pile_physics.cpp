@@ -10,7 +10,6 @@
 namespace graspd::sim_cell {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
 /// The solver starts without the forces of a pile at rest: they build up, then they are averaged.
 constexpr int kBuildUpSteps = 30;
 constexpr int kAveragedSteps = 30;

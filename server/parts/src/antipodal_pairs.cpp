@@ -11,9 +11,8 @@
 namespace graspd::parts {
 namespace {
 
-constexpr double kPoints = 400;
+constexpr double kContacts = 400;
 constexpr int kMaxWalls = 4;           // that the line between two jaws may run through
-constexpr double kItself_m = 1e-6;     // the triangle that a ray starts on
 constexpr double kPadGive_m = 0.0005;  // by which a pad follows the surface
 constexpr double kMinPadShare = 0.3;
 constexpr int kPadRays = 8;  // on each of two rings
@@ -105,7 +104,7 @@ double pad_radius_m(double part_diameter_m) { return std::min(0.004, 0.08 * part
 std::vector<AntipodalPair> antipodal_pairs(const Mesh& mesh, const TriangleTree& tree,
                                            double part_diameter_m) {
   PairSearch search(tree, pad_radius_m(part_diameter_m));
-  visit_surface(mesh, kPoints / surface_area_m2(mesh), [&](const SurfacePoint& point) {
+  visit_surface(mesh, kContacts / surface_area_m2(mesh), [&](const SurfacePoint& point) {
     search.add_pairs_from(
         {point.position_m.cast<double>(), point.normal.cast<double>().normalized()});
   });

@@ -28,7 +28,7 @@ constexpr int kMaxCorners = 16;
 // Axes that nearly hold are settled first. A part that is nearly round about many must not take
 // long for that.
 constexpr int kMaxTrials = 20;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -57,7 +57,7 @@ class SymmetrySearch {
     if (const auto axis = find_continuous()) return symmetries_about(*axis);
     for (const CandidateAxis& candidate : candidates_.axes) examine(candidate, kPrimes.back());
     for (const CandidateAxis& candidate : candidates_.across) {
-      if (is_known(turn_about(candidate.direction, kPi)) || examine(candidate, 2)) break;
+      if (is_known(turn_about(candidate.direction, pi)) || examine(candidate, 2)) break;
     }
     return {group_, {}};
   }
@@ -80,7 +80,7 @@ class SymmetrySearch {
   bool turns_freely(const Vector3d& axis) {
     for (int corners_n = 2; corners_n <= kMaxCorners; ++corners_n) {
       // To either side in turn, so that ratchets show.
-      const double angle_rad = (corners_n % 2 == 0 ? kPi : -kPi) / corners_n;
+      const double angle_rad = (corners_n % 2 == 0 ? pi : -pi) / corners_n;
       if (!surface_.covers(turn_about(axis, angle_rad), tolerance_m_)) return false;
     }
     return true;
@@ -88,7 +88,7 @@ class SymmetrySearch {
 
   bool turns_freely_roughly(const CandidateAxis& candidate) {
     for (int corners_n = 2; corners_n <= kMaxCorners; ++corners_n) {
-      if (!covers_roughly(candidate, kPi / corners_n)) return false;
+      if (!covers_roughly(candidate, pi / corners_n)) return false;
     }
     return true;
   }
@@ -99,7 +99,7 @@ class SymmetrySearch {
       if (turns_freely(candidate.direction)) return candidate.direction;
       if (trials_n == kMaxTrials || !turns_freely_roughly(candidate)) continue;
       ++trials_n;
-      Vector3d axis = settled_axis(candidate.direction, kPi);
+      Vector3d axis = settled_axis(candidate.direction, pi);
       if (turns_freely(axis)) return axis;
     }
     return std::nullopt;
@@ -111,8 +111,8 @@ class SymmetrySearch {
     symmetries.continuous.push_back({axis, Vector3d::Zero()});
     if (turns_freely(b)) {
       symmetries.continuous.push_back({b, Vector3d::Zero()});  // a ball
-    } else if (surface_.covers(turn_about(b, kPi), tolerance_m_)) {
-      symmetries.discrete.emplace_back(turn_about(b, kPi));
+    } else if (surface_.covers(turn_about(b, pi), tolerance_m_)) {
+      symmetries.discrete.emplace_back(turn_about(b, pi));
     }
     return symmetries;
   }
@@ -123,7 +123,7 @@ class SymmetrySearch {
   bool has_order(const Vector3d& axis, int order, int prime) {
     for (int k = 1; k < order; ++k) {
       if (k % prime == 0) continue;
-      if (!surface_.covers(turn_about(axis, 2 * kPi * k / order), tolerance_m_)) return false;
+      if (!surface_.covers(turn_about(axis, 2 * pi * k / order), tolerance_m_)) return false;
     }
     return true;
   }
@@ -150,7 +150,7 @@ class SymmetrySearch {
     int trials_of_axis_n = 0;
     for (const int prime : kPrimes) {
       if (prime > max_prime || trials_of_axis_n == 2 || trials_n_ > kMaxTrials) break;
-      const double angle_rad = 2 * kPi / prime;
+      const double angle_rad = 2 * pi / prime;
       if (is_known(turn_about(candidate.direction, angle_rad)) ||
           !covers_roughly(candidate, angle_rad)) {
         continue;
@@ -165,13 +165,13 @@ class SymmetrySearch {
   bool add_turns_about(const Vector3d& axis, int max_prime) {
     const int order = order_about(axis, max_prime);
     if (order == 1) return false;
-    if (is_known(turn_about(axis, 2 * kPi / order))) return true;
-    const Vector3d settled = settled_axis(axis, 2 * kPi / order);
+    if (is_known(turn_about(axis, 2 * pi / order))) return true;
+    const Vector3d settled = settled_axis(axis, 2 * pi / order);
     const bool is_same = settled.isApprox(axis, kSameAxis);
     const int settled_order = is_same ? order : order_about(settled, max_prime);
     const bool is_better = settled_order >= order;
     return add_generator(
-        turn_about(is_better ? settled : axis, 2 * kPi / (is_better ? settled_order : order)));
+        turn_about(is_better ? settled : axis, 2 * pi / (is_better ? settled_order : order)));
   }
 
   /// \returns whether all that the group becomes with it holds; else it stays as it was.

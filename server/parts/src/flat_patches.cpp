@@ -9,7 +9,7 @@
 namespace graspd::parts {
 namespace {
 
-constexpr double kPoints = 300;
+constexpr double kCentres = 300;
 constexpr double kMinRadius_m = 0.003;  // the smallest cups in use
 constexpr double kMaxRadius_m = 0.025;
 constexpr double kStep_m = 0.001;
@@ -17,7 +17,6 @@ constexpr int kRays = 12;  // of a ring
 // What a lip follows: of its radius, and the steps of a tessellated curve.
 constexpr double kMaxSag = 0.12;
 constexpr double kMinSag_m = 0.0002;
-constexpr double kOutside_m = 10;  // farther than any part is wide
 
 /// Whether the surface about the centre, seen from outside, is flat along a ring.
 bool seals_along(const TriangleTree& tree, const FlatPatch& patch, double radius_m) {
@@ -48,7 +47,7 @@ std::optional<FlatPatch> flat_patch_at(const TriangleTree& tree, const Eigen::Ve
 
 std::vector<FlatPatch> flat_patches(const Mesh& mesh, const TriangleTree& tree) {
   std::vector<FlatPatch> patches;
-  visit_surface(mesh, kPoints / surface_area_m2(mesh), [&](const SurfacePoint& point) {
+  visit_surface(mesh, kCentres / surface_area_m2(mesh), [&](const SurfacePoint& point) {
     const auto patch = flat_patch_at(tree, point.position_m.cast<double>(),
                                      point.normal.cast<double>().normalized());
     if (patch) patches.push_back(*patch);

@@ -13,7 +13,7 @@ constexpr double kSameView_rad = 14 * std::numbers::pi / 180;
 constexpr std::size_t kMostAnchors = 8;  // of a view
 constexpr float kAnchorSpacing = 0.18F;  // diameters
 constexpr int kDeepInside_cells = 6;     // farther from the outline is all the same
-constexpr float kNothing = std::numeric_limits<float>::max();
+constexpr float kNoDepth_m = std::numeric_limits<float>::max();
 
 /// Whether a symmetry takes one direction to about the other.
 bool look_alike(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Symmetries& symmetries) {
@@ -52,7 +52,7 @@ class DepthMap {
         half_(static_cast<int>(
                   std::ceil((0.5 + PoseTemplates::kRadii.back()) * diameter_m / cell_m)) +
               2),
-        depths_m_(static_cast<std::size_t>(4 * half_ * half_), kNothing) {
+        depths_m_(static_cast<std::size_t>(4 * half_ * half_), kNoDepth_m) {
     for (const Eigen::Vector3f& p : points_m)
       middle_m_ += p.head<2>() / static_cast<float>(points_m.size());
     for (const Eigen::Vector3f& p : points_m) {
@@ -77,8 +77,8 @@ class DepthMap {
     for (int reach = 1; reach < kDeepInside_cells; ++reach) {
       for (int i = -reach; i <= reach; ++i) {
         const bool is_outside =
-            at(x + i, y - reach) == kNothing || at(x + i, y + reach) == kNothing ||
-            at(x - reach, y + i) == kNothing || at(x + reach, y + i) == kNothing;
+            at(x + i, y - reach) == kNoDepth_m || at(x + i, y + reach) == kNoDepth_m ||
+            at(x - reach, y + i) == kNoDepth_m || at(x + reach, y + i) == kNoDepth_m;
         if (is_outside) return reach;
       }
     }
@@ -88,7 +88,7 @@ class DepthMap {
  private:
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < 2 * half_ && y < 2 * half_; }
   std::size_t index(int x, int y) const { return static_cast<std::size_t>(y * 2 * half_ + x); }
-  float at(int x, int y) const { return contains(x, y) ? depths_m_[index(x, y)] : kNothing; }
+  float at(int x, int y) const { return contains(x, y) ? depths_m_[index(x, y)] : kNoDepth_m; }
   std::array<int, 2> cell_of(const Eigen::Vector2f& p_m) const {
     const Eigen::Vector2f cell = (p_m - middle_m_) / cell_m_;
     return {static_cast<int>(std::lround(cell.x())) + half_,
@@ -131,9 +131,9 @@ void add_samples(const Eigen::Vector3f& anchor_m, const DepthMap& map, float dia
         PoseTemplates::kRadii[static_cast<std::size_t>(i % PoseTemplates::kRings)] * diameter_m;
     const float depth_m = map.at(
         anchor_m.head<2>() + radius_m * Eigen::Vector2f(std::cos(angle_rad), std::sin(angle_rad)));
-    if (depth_m != kNothing) inside |= std::uint64_t{1} << i;
+    if (depth_m != kNoDepth_m) inside |= std::uint64_t{1} << i;
     const float behind =
-        depth_m == kNothing ? 0 : (depth_m - anchor_m.z()) / (PoseTemplates::kUnit * diameter_m);
+        depth_m == kNoDepth_m ? 0 : (depth_m - anchor_m.z()) / (PoseTemplates::kUnit * diameter_m);
     templates.depths.push_back(
         static_cast<std::int8_t>(std::clamp(std::lround(behind), -127L, 127L)));
   }

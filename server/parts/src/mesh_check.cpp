@@ -7,6 +7,7 @@
 #include "mesh_geometry.hpp"
 #include "mesh_topology.hpp"
 #include "symmetries_sentence.hpp"
+#include "text.hpp"
 #include "wall_thickness.hpp"
 
 namespace graspd::parts {
@@ -46,9 +47,7 @@ class Findings {
   std::vector<MeshFinding> findings_;
 };
 
-std::string in_mm(const Eigen::Vector3d& p_m) {
-  return fmt::format("({:.4g}, {:.4g}, {:.4g}) mm", p_m.x() * 1e3, p_m.y() * 1e3, p_m.z() * 1e3);
-}
+std::string in_text(const Eigen::Vector3d& p_m) { return in_mm(p_m) + " mm"; }
 
 Eigen::Vector3d vertex_m(const Mesh& mesh, int index) {
   return mesh.vertices_m[static_cast<std::size_t>(index)].cast<double>();
@@ -98,8 +97,9 @@ void check_normals(const Mesh& mesh, const MeshTopology& topology, Findings& fin
         "{} of {} triangles {} wound against their neighbours{}: graspd turns them over when it "
         "loads the part, but use \"recalculate normals outside\" for other programs.",
         n, mesh.triangles.size(), n == 1 ? "is" : "are",
-        n == 0 ? std::string()
-               : ", the first at " + in_mm(centroid_m(mesh, topology.reversed_triangles.front())));
+        n == 0
+            ? std::string()
+            : ", the first at " + in_text(centroid_m(mesh, topology.reversed_triangles.front())));
   } else if (is_inside_out(mesh)) {
     findings.add(Severity::kWarning, "normals",
                  "All triangles face into the part (its volume is {:.4g} cm³): graspd turns them "
@@ -141,7 +141,7 @@ void check_edges(const Mesh& mesh, const MeshTopology& topology, Findings& findi
                  "The surface has {} hole{} ({} open edges), the widest {:.4g} mm across at {}: "
                  "close {} in your mesh program, or the part's volume and barycentre are guesses.",
                  holes.size(), holes.size() == 1 ? "" : "s", topology.boundary_edges.size(),
-                 holes.front().diagonal().norm() * 1e3, in_mm(holes.front().center()),
+                 holes.front().diagonal().norm() * 1e3, in_text(holes.front().center()),
                  holes.size() == 1 ? "it" : "them");
   }
   findings.add_if_none("holes", "The surface is closed.");
@@ -151,7 +151,7 @@ void check_edges(const Mesh& mesh, const MeshTopology& topology, Findings& findi
                  "remove inner faces in your CAD program.",
                  topology.non_manifold_edges.size(),
                  topology.non_manifold_edges.size() == 1 ? "" : "s",
-                 in_mm(middle_m(mesh, topology.non_manifold_edges.front())));
+                 in_text(middle_m(mesh, topology.non_manifold_edges.front())));
   }
   findings.add_if_none("edges", "No edge has more than two triangles.");
 }
@@ -164,7 +164,7 @@ void check_triangles(const Mesh& mesh, const MeshTopology& topology, Findings& f
                  "your mesh program.",
                  topology.degenerate_triangles.size(), n,
                  topology.degenerate_triangles.size() == 1 ? "has" : "have",
-                 in_mm(centroid_m(mesh, topology.degenerate_triangles.front())));
+                 in_text(centroid_m(mesh, topology.degenerate_triangles.front())));
   }
   if (!topology.duplicate_triangles.empty()) {
     findings.add(Severity::kWarning, "triangles",
@@ -172,7 +172,7 @@ void check_triangles(const Mesh& mesh, const MeshTopology& topology, Findings& f
                  "your mesh program.",
                  topology.duplicate_triangles.size(), n,
                  topology.duplicate_triangles.size() == 1 ? "is" : "are",
-                 in_mm(centroid_m(mesh, topology.duplicate_triangles.front())));
+                 in_text(centroid_m(mesh, topology.duplicate_triangles.front())));
   }
   if (n > kManyTriangles) {
     findings.add(Severity::kWarning, "triangles",

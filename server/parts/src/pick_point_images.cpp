@@ -10,20 +10,20 @@
 namespace graspd::parts {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int kTurns = 24;
 constexpr double kSamePlace_m = 5e-4;
 const double kSameDirection = std::cos(0.03);
 
-Eigen::Isometry3d turn_about(const ContinuousSymmetry& symmetry, double angle_rad) {
+Eigen::Isometry3d turn_of(const ContinuousSymmetry& symmetry, double angle_rad) {
   return Eigen::Translation3d(symmetry.point_m) * Eigen::AngleAxisd(angle_rad, symmetry.axis) *
          Eigen::Translation3d(-symmetry.point_m);
 }
 
 std::vector<Eigen::Isometry3d> icosahedral_turns(const Eigen::Vector3d& centre_m) {
   const Eigen::Vector3d corner = Eigen::Vector3d(0, 1, std::numbers::phi).normalized();
-  return close_group({turn_about({corner, centre_m}, 2 * kPi / 5),
-                      turn_about({Eigen::Vector3d::UnitZ(), centre_m}, kPi)})
+  return close_group({turn_of({corner, centre_m}, 2 * pi / 5),
+                      turn_of({Eigen::Vector3d::UnitZ(), centre_m}, pi)})
       .value();
 }
 
@@ -34,7 +34,7 @@ std::vector<Eigen::Isometry3d> continuous_turns(const Symmetries& symmetries) {
     turns.insert(turns.end(), others.begin(), others.end());
   } else if (!symmetries.continuous.empty()) {
     for (int k = 1; k < kTurns; ++k) {
-      turns.push_back(turn_about(symmetries.continuous.front(), 2 * kPi * k / kTurns));
+      turns.push_back(turn_of(symmetries.continuous.front(), 2 * pi * k / kTurns));
     }
   }
   return turns;
@@ -57,7 +57,7 @@ std::vector<Eigen::Isometry3d> turns_of(const Symmetries& symmetries) {
 
 bool is_same_grasp(const PickPoint& a, const PickPoint& b) {
   if ((a.position_m - b.position_m).norm() > kSamePlace_m) return false;
-  const bool any_approach = a.approach_cone_rad >= kPi && b.approach_cone_rad >= kPi;
+  const bool any_approach = a.approach_cone_rad >= pi && b.approach_cone_rad >= pi;
   if (!any_approach && !is_same_direction(a.approach, b.approach)) return false;
   const auto is_cup = [](const PickPoint& p) {
     return p.gripper == name_of(GripperKind::kSuction);

@@ -6,12 +6,12 @@
 namespace graspd::parts {
 namespace {
 
-constexpr double kSamePlace_m = 1e-4;
+constexpr double kSameTranslation_m = 1e-4;
 
 bool is_same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double same_angle_rad) {
   const Eigen::Quaterniond turn(a.linear().transpose() * b.linear());
   return turn.angularDistance(Eigen::Quaterniond::Identity()) < same_angle_rad &&
-         (a.translation() - b.translation()).norm() < kSamePlace_m;
+         (a.translation() - b.translation()).norm() < kSameTranslation_m;
 }
 
 /// Of two unit quaternions: 1 or −1 where they are the same turn.

@@ -8,6 +8,7 @@
 
 #include "flat_patches.hpp"
 #include "graspd/types/request.hpp"
+#include "text.hpp"
 #include "triangle_tree.hpp"
 
 namespace graspd::parts {
@@ -22,16 +23,7 @@ constexpr double kMaxCupSkew_rad = 0.2;
 /// The lines on which a jaw's width is measured, from its tip up.
 constexpr int kLines = 6;
 constexpr double kLineStep_m = 0.002;
-constexpr double kOutside_m = 10;  // farther than any part is wide
-constexpr double kPast_m = 1e-7;   // a triangle that was met
-
-/// Four digits, without −0 and what a rounding error leaves.
-std::string in_digits(const Eigen::Vector3d& v) {
-  const Eigen::Array3d rounded = (v.array() * 1e3).round() / 1e3 + 0.0;
-  return fmt::format("({:.4g}, {:.4g}, {:.4g})", rounded.x(), rounded.y(), rounded.z());
-}
-
-std::string in_mm(const Eigen::Vector3d& p_m) { return in_digits(p_m * 1e3); }
+constexpr double kPast_m = 1e-7;  // a triangle that was met
 
 /// Along the closing direction, from the position.
 struct Span {

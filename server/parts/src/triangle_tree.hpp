@@ -8,6 +8,9 @@
 
 namespace graspd::parts {
 
+inline constexpr double kItself_m = 1e-6;  ///< of the triangle that a ray starts on
+inline constexpr double kOutside_m = 10;   ///< farther than any part is wide
+
 /// Triangles in a tree of boxes: the nearest place on a surface, or what a ray meets, without
 /// looking at all of it.
 /// Exact. Immutable, so any number of threads may ask it.

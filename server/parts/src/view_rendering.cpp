@@ -12,7 +12,7 @@ namespace {
 constexpr float kMinFacingCosine = 0.3F;
 /// A surface that falls by this many times the distance has ended: steeper than 63°.
 constexpr float kStep = 2;
-constexpr float kNothing = std::numeric_limits<float>::lowest();
+constexpr float kNoHeight_m = std::numeric_limits<float>::lowest();
 
 /// Depth buffer across the line of sight. Its axes: right, down, towards the camera.
 class Canvas {
@@ -60,7 +60,7 @@ class Canvas {
     std::vector<SurfacePoint> seen;
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        if (at(x, y).height_m != kNothing) seen.push_back(point(x, y, at(x, y)));
+        if (at(x, y).height_m != kNoHeight_m) seen.push_back(point(x, y, at(x, y)));
       }
     }
     return seen;
@@ -72,13 +72,14 @@ class Canvas {
     std::vector<SurfacePoint> rim;
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        const float least_m = at(x, y).height_m == kNothing ? kNothing : at(x, y).height_m + step_m;
+        const float least_m =
+            at(x, y).height_m == kNoHeight_m ? kNoHeight_m : at(x, y).height_m + step_m;
         int nearest2 = (margin_ + 1) * (margin_ + 1);
         const Cell* nearest = nullptr;
         for (int v = std::max(0, y - margin_); v <= std::min(height_ - 1, y + margin_); ++v) {
           for (int u = std::max(0, x - margin_); u <= std::min(width_ - 1, x + margin_); ++u) {
             const int distance2 = (u - x) * (u - x) + (v - y) * (v - y);
-            const bool ends_here = at(u, v).height_m != kNothing && at(u, v).height_m >= least_m;
+            const bool ends_here = at(u, v).height_m != kNoHeight_m && at(u, v).height_m >= least_m;
             if (!ends_here || distance2 >= nearest2) continue;
             nearest2 = distance2;
             nearest = &at(u, v);
@@ -93,7 +94,7 @@ class Canvas {
 
  private:
   struct Cell {
-    float height_m = kNothing;
+    float height_m = kNoHeight_m;
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   };
 

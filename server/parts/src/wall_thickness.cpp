@@ -6,8 +6,7 @@
 namespace graspd::parts {
 namespace {
 
-constexpr double kPoints = 400;
-constexpr double kItself_m = 1e-6;  // the triangle that a ray starts on
+constexpr double kMeasurements = 400;
 
 }  // namespace
 
@@ -15,7 +14,7 @@ std::vector<double> wall_thicknesses_m(const Mesh& mesh) {
   const TriangleTree tree(mesh);
   const double inwards = signed_volume_m3(mesh) < 0 ? 1 : -1;
   std::vector<double> thicknesses_m;
-  visit_surface(mesh, kPoints / surface_area_m2(mesh), [&](const SurfacePoint& point) {
+  visit_surface(mesh, kMeasurements / surface_area_m2(mesh), [&](const SurfacePoint& point) {
     const auto hit = tree.first_hit(point.position_m.cast<double>(),
                                     inwards * point.normal.cast<double>().normalized(), kItself_m);
     thicknesses_m.push_back(hit.distance_m);

@@ -63,10 +63,10 @@ std::vector<Seen> visible_points(const CameraIntrinsics& camera, const parts::Pa
   return facing;
 }
 
-enum class Verdict { kSupports, kRefutes, kSilent };
+enum class Testimony { kSupports, kRefutes, kSilent };
 
 struct Comparison {
-  Verdict verdict = Verdict::kSilent;
+  Testimony testimony = Testimony::kSilent;
   double error_m = 0;
 };
 
@@ -92,8 +92,8 @@ Comparison compare(const DepthFrame& frame, const Seen& point, double tolerance_
       }
     }
   }
-  if (supported) return {Verdict::kSupports, best_error_m};
-  return {behind ? Verdict::kRefutes : Verdict::kSilent, 0};
+  if (supported) return {Testimony::kSupports, best_error_m};
+  return {behind ? Testimony::kRefutes : Testimony::kSilent, 0};
 }
 
 }  // namespace
@@ -107,8 +107,8 @@ Evidence evaluate_pose(const DepthFrame& frame, const parts::Part& part,
   double sum2 = 0;
   for (const Seen& point : points) {
     const Comparison comparison = compare(frame, point, tolerance_m);
-    supporting_n += comparison.verdict == Verdict::kSupports;
-    refuting_n += comparison.verdict == Verdict::kRefutes;
+    supporting_n += comparison.testimony == Testimony::kSupports;
+    refuting_n += comparison.testimony == Testimony::kRefutes;
     sum2 += comparison.error_m * comparison.error_m;
   }
   const auto count = static_cast<double>(points.size());

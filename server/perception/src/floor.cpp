@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kFloorTilt_rad = 15 * M_PI / 180;
 constexpr std::size_t kSample = 1500;  ///< RANSAC needs no more, whatever the size of the image
-constexpr int kRefinements = 8;
+constexpr int kPlaneRefinements = 8;
 
 /// A floor's own coordinates: a grid of cells on the plane.
 class FloorGrid {
@@ -66,9 +66,9 @@ bool is_upright(const Plane& plane, const std::optional<Eigen::Vector3f>& up_cam
 }
 
 /// Every n-th point of a cloud, as the compiler's vectors want them.
-class PointColumns {
+class SampledPoints {
  public:
-  PointColumns(const Cloud& cloud, std::size_t step) {
+  SampledPoints(const Cloud& cloud, std::size_t step) {
     for (std::size_t i = 0; i < cloud.size(); i += step) {
       x_m_.push_back(cloud.points_m[i].x());
       y_m_.push_back(cloud.points_m[i].y());
@@ -141,7 +141,7 @@ std::optional<Plane> fit_floor(const Cloud& cloud, const std::optional<Eigen::Ve
                                const PreprocessParameters& parameters) {
   if (cloud.size() < 3) return std::nullopt;
   const auto tolerance_m = static_cast<float>(parameters.plane_tolerance_m);
-  const PointColumns points(cloud, cloud.size() / kSample + 1);
+  const SampledPoints points(cloud, cloud.size() / kSample + 1);
   std::minstd_rand random;  // the same for every frame
   const auto point = [&] { return points.at(random() % points.size()); };
   Plane best;
@@ -161,7 +161,7 @@ std::optional<Plane> fit_floor(const Cloud& cloud, const std::optional<Eigen::Ve
     best = plane;
   }
   if (most_n < 3) return std::nullopt;
-  for (int i = 0; i < kRefinements; ++i) best = points.refined(best, 2 * tolerance_m);
+  for (int i = 0; i < kPlaneRefinements; ++i) best = points.refined(best, 2 * tolerance_m);
   if (!is_upright(best, up_camera)) return std::nullopt;
   const auto inliers_n =
       std::count_if(cloud.points_m.begin(), cloud.points_m.end(),

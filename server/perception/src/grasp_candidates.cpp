@@ -14,9 +14,9 @@ using parts::PickPoint;
 
 constexpr int kAzimuths = 8;           // of the principal axis' tilts
 constexpr double kFloorGap_m = 0.001;  // below finger tips that need not reach as deep
-constexpr double kSamePlace_m = 0.001;
+constexpr double kSameGrasp_m = 0.001;
 constexpr double kSameCosine = 0.999;
-constexpr double kRounding = 1e-9;
+constexpr double kRoundOff = 1e-9;
 
 /// A pick point with the approach to it that is nearest to vertical, in the part's frame.
 struct Reached {
@@ -30,7 +30,7 @@ bool is_same(const GraspCandidate& a, const GraspCandidate& b) {
     return a.T_floor_grasp.linear().col(axis).dot(b.T_floor_grasp.linear().col(axis));
   };
   return (a.T_floor_grasp.translation() - b.T_floor_grasp.translation()).squaredNorm() <
-             kSamePlace_m * kSamePlace_m &&
+             kSameGrasp_m * kSameGrasp_m &&
          cosine(2) > kSameCosine && std::abs(cosine(0)) > kSameCosine;
 }
 
@@ -51,7 +51,7 @@ class CandidateSearch {
         down_part_(part.T_floor_part.linear().transpose() * -Vector3d::UnitZ()),
         kind_(name_of(gripper.kind)),
         most_n_(static_cast<std::size_t>(parameters.tries_per_part_n)),
-        min_cosine_(std::cos(parameters.max_tilt_rad) - kRounding),
+        min_cosine_(std::cos(parameters.max_tilt_rad) - kRoundOff),
         min_taught_cosine_(std::min(min_cosine_, std::cos(parameters.max_taught_tilt_rad))) {
     candidates_.reserve(most_n_ + 1);
   }
@@ -97,7 +97,7 @@ class CandidateSearch {
         const Vector3d approach = std::cos(turn_rad) * reached.approach +
                                   std::sin(turn_rad) * point.closing.cross(reached.approach);
         const bool within_cone =
-            approach.dot(point.approach) >= std::cos(point.approach_cone_rad) - kRounding;
+            approach.dot(point.approach) >= std::cos(point.approach_cone_rad) - kRoundOff;
         if (within_cone && down_part_.dot(approach) >= least_cosine(point)) {
           add(candidate_at(point, approach));
         }
@@ -127,7 +127,7 @@ class CandidateSearch {
     // Turned freely about the closing direction, the approach gets as near to vertical as this.
     const double across = point.closing.dot(down_part_);
     const double best_cosine = std::sqrt(std::max(0.0, 1 - across * across));
-    if (best_cosine < std::max(kRounding, least_cosine(point))) return std::nullopt;
+    if (best_cosine < std::max(kRoundOff, least_cosine(point))) return std::nullopt;
     const double cone_cosine = std::cos(point.approach_cone_rad);
     if (along >= best_cosine * cone_cosine) {
       return Reached{&point, point.priority + best_cosine,
@@ -212,7 +212,7 @@ std::vector<GraspCandidate> grasp_candidates(std::size_t target, std::span<const
   const Vector3d closing = closing_direction(part);
   search.add_principal_axis(origin_m, closing, 0);
   const auto tilts_n =
-      static_cast<int>(parameters.max_tilt_rad / parameters.tilt_step_rad + kRounding);
+      static_cast<int>(parameters.max_tilt_rad / parameters.tilt_step_rad + kRoundOff);
   for (int k = 1; k <= tilts_n; ++k) search.add_turned(k * parameters.tilt_step_rad);
   for (int k = 1; k <= tilts_n; ++k) {
     search.add_principal_axis(origin_m, closing, k * parameters.tilt_step_rad);

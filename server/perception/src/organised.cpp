@@ -9,7 +9,7 @@ namespace {
 
 /// Readings about as deep are of one surface. At an edge four or five of the eight around a reading
 /// are, at a corner three.
-constexpr float kSameSurface_m = 0.01F;
+constexpr float kAsDeep_m = 0.01F;
 constexpr int kFewestNear = 4;
 /// A lone pixel without a reading is a hole in a surface where this many around it are of one.
 constexpr int kFewestAroundHole = 7;
@@ -47,7 +47,7 @@ void mend_readings(DepthGrid& grid) {
   const auto near_n = [&](const float* here, float surface_m) {
     int count = 0;
     for (const std::ptrdiff_t offset : around) {
-      count += std::abs(here[offset] - surface_m) < kSameSurface_m;
+      count += std::abs(here[offset] - surface_m) < kAsDeep_m;
     }
     return count;
   };

@@ -7,15 +7,15 @@ namespace {
 
 constexpr std::size_t kEvery = 2;
 /// Nearer to the camera than this, nothing projects to a sensible place.
-constexpr float kNearest_m = 0.05F;
-constexpr float kHalfCell_px = 0.5F;
+constexpr float kNearestDrawn_m = 0.05F;
+constexpr float kHalfPixel_px = 0.5F;
 
 /// The rectangle around a ball; empty where it is not in the image.
 void place(const Eigen::Vector3f& centre_m, float radius_m, int margin_px, const PixelGrid& image,
            Silhouette& silhouette) {
   silhouette.width = silhouette.height = 0;
   const float nearest_z_m = centre_m.z() - radius_m;
-  if (nearest_z_m < kNearest_m) return;
+  if (nearest_z_m < kNearestDrawn_m) return;
   const float radius_px = radius_m / nearest_z_m * std::max(image.fx_px, image.fy_px);
   const auto reach_px = static_cast<int>(radius_px) + margin_px + 2;
   const auto u = static_cast<int>(centre_m.x() / centre_m.z() * image.fx_px + image.cx_px);
@@ -64,8 +64,8 @@ void draw_silhouette(const PlacedPart& part, const Eigen::Isometry3d& T_camera_f
       static_cast<std::size_t>(silhouette.width) * static_cast<std::size_t>(silhouette.height),
       Silhouette::kNone_m);
   if (silhouette.nearest_m.empty()) return;
-  const float cx_px = image.cx_px - static_cast<float>(silhouette.u_first) + kHalfCell_px;
-  const float cy_px = image.cy_px - static_cast<float>(silhouette.v_first) + kHalfCell_px;
+  const float cx_px = image.cx_px - static_cast<float>(silhouette.u_first) + kHalfPixel_px;
+  const float cy_px = image.cy_px - static_cast<float>(silhouette.v_first) + kHalfPixel_px;
   const auto& surface = part.part->surface;
   for (std::size_t i = 0; i < surface.size(); i += kEvery) {
     const Eigen::Vector3f p = R * surface[i].position_m + t_m;

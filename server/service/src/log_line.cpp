@@ -8,7 +8,7 @@
 namespace graspd::service {
 namespace {
 
-using json = nlohmann::ordered_json;
+using nlohmann::ordered_json;
 
 /// To a microsecond.
 double ms(std::chrono::nanoseconds duration) {
@@ -16,11 +16,11 @@ double ms(std::chrono::nanoseconds duration) {
 }
 
 /// Bytes that are no UTF-8 are replaced, so that every line can be read.
-std::string text_of(const json& line) {
-  return line.dump(-1, ' ', false, json::error_handler_t::replace);
+std::string text_of(const ordered_json& line) {
+  return line.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
-json frame_of(const FrameDescription& frame) {
+ordered_json frame_fields(const FrameDescription& frame) {
   return {{"width_px", frame.camera.width_px},
           {"height_px", frame.camera.height_px},
           {"depth_scale_m", frame.depth_scale_m},
@@ -29,8 +29,8 @@ json frame_of(const FrameDescription& frame) {
           {"crc32", fmt::format("{:08x}", frame.payload_crc32)}};
 }
 
-json stages_of(const std::vector<StageTiming>& timings) {
-  json stages = json::object();
+ordered_json stages_of(const std::vector<StageTiming>& timings) {
+  ordered_json stages = ordered_json::object();
   for (const StageTiming& timing : timings) {
     stages[timing.stage] = ms(std::chrono::nanoseconds(timing.duration_ns));
   }
@@ -42,11 +42,11 @@ json stages_of(const std::vector<StageTiming>& timings) {
 std::string log_line(std::string_view message) { return text_of({{"message", message}}); }
 
 std::string log_line(const PlanJob& plan, const RequestEnd& end, const ServerInfo& server) {
-  json line{{"request_id", hexadecimal(plan.id)},
-            {"attempt", plan.attempt},
-            {"cell", plan.cell},
-            {"parts", plan.parts},
-            {"code", name_of(end.code)}};
+  ordered_json line{{"request_id", hexadecimal(plan.id)},
+                    {"attempt", plan.attempt},
+                    {"cell", plan.cell},
+                    {"parts", plan.parts},
+                    {"code", name_of(end.code)}};
   if (end.report.outcome) {
     line["outcome"] = name_of(*end.report.outcome);
     line["objects_n"] = end.report.objects_n;
@@ -57,7 +57,7 @@ std::string log_line(const PlanJob& plan, const RequestEnd& end, const ServerInf
   line["queue_ms"] = ms(end.queued);
   line["total_ms"] = ms(end.taken);
   if (!end.report.timings.empty()) line["stages_ms"] = stages_of(end.report.timings);
-  line["frame"] = frame_of(plan.frame);
+  line["frame"] = frame_fields(plan.frame);
   line["build"] = server.build;
   line["catalogue_hash"] = server.catalogue_hash;
   line["config_hash"] = server.config_hash;
@@ -66,7 +66,7 @@ std::string log_line(const PlanJob& plan, const RequestEnd& end, const ServerInf
 }
 
 std::string log_line(const Refused& refused) {
-  json line{{"request_id", hexadecimal(refused.id)}};
+  ordered_json line{{"request_id", hexadecimal(refused.id)}};
   if (!refused.cell.empty()) line["cell"] = refused.cell;
   line["code"] = name_of(refused.error.code);
   line["message"] = refused.error.message;

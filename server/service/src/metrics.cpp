@@ -23,7 +23,7 @@ constexpr std::string_view kOtherCell = "other";
 const Histogram::BucketBoundaries kSeconds{0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1,
                                            0.2,   0.5,   1,     2,    5,    10,   30};
 
-double seconds(std::chrono::nanoseconds duration) {
+double in_seconds(std::chrono::nanoseconds duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
@@ -158,7 +158,7 @@ void Metrics::answered(std::string_view cell, Code code, std::chrono::nanosecond
   const prometheus::Labels label{{"code", std::string(name_of(code))}};
   if (is_shed(code)) impl_->shed.Add(label).Increment();
   if (is_broken(code)) impl_->broken.Add(label).Increment();
-  impl_->answer_seconds.Observe(seconds(taken));
+  impl_->answer_seconds.Observe(in_seconds(taken));
 }
 
 void Metrics::planned(Outcome outcome, const std::vector<std::string>& part_ids,
@@ -168,7 +168,7 @@ void Metrics::planned(Outcome outcome, const std::vector<std::string>& part_ids,
   for (const std::string& id : part_ids) impl_->parts.Add({{"part", id}}).Increment();
   for (const StageTiming& timing : timings) {
     Impl::OfStage& stage = impl_->stage(timing.stage);
-    stage.histogram->Observe(seconds(std::chrono::nanoseconds(timing.duration_ns)));
+    stage.histogram->Observe(in_seconds(std::chrono::nanoseconds(timing.duration_ns)));
     ++stage.total.runs_n;
     stage.total.total_ns += timing.duration_ns;
   }

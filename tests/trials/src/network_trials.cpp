@@ -10,13 +10,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::uint64_t kSeed = 7;
+constexpr std::uint64_t kNetworkSeed = 7;
 
 }  // namespace
 
 Seen through_a_slow_network(std::size_t requests_n) {
   const auto server = start_server(2);
-  ChaosProxy network(server->data_endpoint, kSeed);
+  ChaosProxy network(server->data_endpoint, kNetworkSeed);
   network.set({milliseconds(5), 1000});
   History history;
   ClosedLoop load(cells_of({network.endpoint()}, 4), history);
@@ -28,7 +28,7 @@ Seen through_a_slow_network(std::size_t requests_n) {
 Seen one_of_two_networks_stalls(std::size_t requests_n) {
   const auto first = start_server(2);
   const auto second = start_server(2);
-  ChaosProxy network(first->data_endpoint, kSeed);
+  ChaosProxy network(first->data_endpoint, kNetworkSeed);
   History history;
   LoadOptions options = cells_of({network.endpoint(), second->data_endpoint}, 4);
   options.dispatch.attempt_timeout = milliseconds(500);
@@ -45,7 +45,7 @@ Seen one_of_two_networks_stalls(std::size_t requests_n) {
 Seen connections_reset(std::size_t requests_n, int resets_n) {
   const auto first = start_server(2);
   const auto second = start_server(2);
-  ChaosProxy network(first->data_endpoint, kSeed);
+  ChaosProxy network(first->data_endpoint, kNetworkSeed);
   History history;
   ClosedLoop load(cells_of({network.endpoint(), second->data_endpoint}, 4), history);
   for (int i = 0; i < resets_n; ++i) {
@@ -60,7 +60,8 @@ Seen connections_reset(std::size_t requests_n, int resets_n) {
 Seen faults_in_turn(std::size_t requests_n, int faults_n) {
   const auto first = start_server(2);
   const auto second = start_server(2);
-  ChaosProxy networks[]{{first->data_endpoint, kSeed}, {second->data_endpoint, kSeed}};
+  ChaosProxy networks[]{{first->data_endpoint, kNetworkSeed},
+                        {second->data_endpoint, kNetworkSeed}};
   History history;
   LoadOptions options = cells_of({networks[0].endpoint(), networks[1].endpoint()}, 6);
   options.script = "echo";
@@ -87,7 +88,7 @@ OncePerId computations_per_id(int resets_n) {
   const testing::TemporaryFolder folder;
   const std::string log = folder.path() / "log";
   const auto server = start_server(2, {}, nullptr, log);
-  ChaosProxy network(server->data_endpoint, kSeed);
+  ChaosProxy network(server->data_endpoint, kNetworkSeed);
   History history;
   LoadOptions options = cells_of({network.endpoint()}, 6);
   options.script = "sleep_100";  // longer than it takes to connect again
@@ -120,7 +121,7 @@ OncePerId computations_per_id(int resets_n) {
 
 CorruptedNeighbour beside_a_corrupt_network(std::size_t requests_n) {
   const auto server = start_server(2);
-  ChaosProxy network(server->data_endpoint, kSeed);
+  ChaosProxy network(server->data_endpoint, kNetworkSeed);
   Chaos corrupt;
   corrupt.corrupt_share = 0.1;
   network.set(corrupt);

@@ -10,7 +10,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::uint64_t kSeed = 11;
+constexpr std::uint64_t kSoakSeed = 11;
 // 70 % of what one server with two workers of 20 ms can do, since the other's network may stall.
 constexpr double kLoad_hz = 0.7 * 100;
 
@@ -46,7 +46,7 @@ Soak soak(std::chrono::milliseconds length, std::chrono::milliseconds fault_ever
       {"cell_0", "cell_1", "cell_2", "cell_3", "cell_4", "cell_5", "cell_6", "cell_7"});
   const auto first = start_server(2, {}, &keys);
   const auto second = start_server(2, {}, &keys);
-  ChaosProxy networks[]{{first->data_endpoint, kSeed}, {second->data_endpoint, kSeed}};
+  ChaosProxy networks[]{{first->data_endpoint, kSoakSeed}, {second->data_endpoint, kSoakSeed}};
   Soak seen;
   const std::size_t descriptors_at_rest_n = descriptors_n(second->pid());
   History history;
