@@ -34,9 +34,9 @@ class Cluster {
  public:
   Cluster(const std::filesystem::path& folder, const Keyring& keys) : folder_(folder) {
     write_configuration(keys);
-    run_here(
-        fmt::format("dd if=/dev/urandom of={0}/munge.key bs=128 count=1 && chmod 600 {0}/munge.key",
-                    folder_.string()));
+    run_here(fmt::format(
+        "dd if=/dev/urandom of={0}/munge.key bs=128 count=1 status=none && chmod 600 {0}/munge.key",
+        folder_.string()));
     daemons_.push_back(std::make_unique<Daemon>(
         fmt::format("exec munged -F --force --key-file={0}/munge.key --socket={0}/munge "
                     "--pid-file={0}/munge.pid --seed-file={0}/munge.seed --log-file={0}/munge.log",
@@ -87,6 +87,8 @@ class Cluster {
                       "SlurmdSpoolDir={0}/spool-%n\nSlurmctldPidFile={0}/slurmctld.pid\n"
                       "SlurmdPidFile={0}/slurmd-%n.pid\nProctrackType=proctrack/linuxproc\n"
                       "TaskPlugin=task/none\nSelectType=select/cons_tres\n"
+                      // A small cluster may look more often for what can be started.
+                      "SchedulerParameters=sched_interval=5,bf_interval=5\n"
                       "Include {1}/deploy/slurm/graspd.conf\n"
                       "NodeName=node[1-{2}] NodeAddr=10.77.0.1[1-{2}] CPUs=2\n"
                       "PartitionName=servers Nodes=ALL Default=YES MaxTime=INFINITE\n",
