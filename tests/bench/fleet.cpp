@@ -1,4 +1,7 @@
-/// What clients see of a fleet behind HAProxy and of one on Slurm, while a server or a node is lost.
+/// What clients see of a fleet behind HAProxy and of one on Slurm, while a server or a node is
+/// lost.
+#include "graspd/trials/fleet.hpp"
+
 #include <fmt/format.h>
 
 #include <fstream>
@@ -6,7 +9,6 @@
 #include <stdexcept>
 
 #include "graspd/command_line/run_program.hpp"
-#include "graspd/trials/fleet.hpp"
 
 namespace graspd::bench {
 namespace {

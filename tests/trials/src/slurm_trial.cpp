@@ -34,30 +34,12 @@ class Cluster {
  public:
   Cluster(const std::filesystem::path& folder, const Keyring& keys) : folder_(folder) {
     write_configuration(keys);
-    run_here(fmt::format(
-        "dd if=/dev/urandom of={0}/munge.key bs=128 count=1 status=none && chmod 600 {0}/munge.key",
-        folder_.string()));
-    daemons_.push_back(std::make_unique<Daemon>(
-        fmt::format("exec munged -F --force --key-file={0}/munge.key --socket={0}/munge "
-                    "--pid-file={0}/munge.pid --seed-file={0}/munge.seed --log-file={0}/munge.log",
-                    folder_.string()),
-        folder_ / "munged.log"));
-    wait_until([&] { return std::filesystem::exists(folder_ / "munge"); }, "munged's socket");
+    start_munge();
     controller_.run(
         "ip link add bridge type bridge && ip addr add 10.77.0.1/24 dev bridge && "
         "ip link set bridge up");
     daemons_.push_back(start(controller_, "controller", "slurmctld -D"));
-    for (int node = 1; node <= kNodes_n; ++node) {
-      const NetworkNamespace& network =
-          *networks_.emplace_back(std::make_unique<NetworkNamespace>());
-      network.run(fmt::format("ip link add eth0 type veth peer name node{} netns {}", node,
-                              controller_.path()));
-      network.run(
-          fmt::format("ip addr add {}/24 dev eth0 && ip link set eth0 up", address_of(node)));
-      controller_.run(
-          fmt::format("ip link set node{0} master bridge && ip link set node{0} up", node));
-      nodes_.push_back(start(network, fmt::format("node{}", node), "slurmd -D"));
-    }
+    for (int node = 1; node <= kNodes_n; ++node) start_node(node);
     wait_until([&] { return slurm("sinfo --noheader --states=idle --format=%D") == "3\n"; },
                "three idle nodes");
   }
@@ -87,6 +69,7 @@ class Cluster {
                       "SlurmdSpoolDir={0}/spool-%n\nSlurmctldPidFile={0}/slurmctld.pid\n"
                       "SlurmdPidFile={0}/slurmd-%n.pid\nProctrackType=proctrack/linuxproc\n"
                       "TaskPlugin=task/none\nSelectType=select/cons_tres\n"
+                      "SlurmdParameters=config_overrides\n"
                       // A small cluster may look more often for what can be started.
                       "SchedulerParameters=sched_interval=5,bf_interval=5\n"
                       "Include {1}/deploy/slurm/graspd.conf\n"
@@ -100,9 +83,24 @@ class Cluster {
     std::filesystem::create_directory(folder_ / "state");
     std::filesystem::create_symlink(GRASP_SERVER, folder_ / "grasp_server");
   }
-  static void run_here(const std::string& command) {
-    const testing::Finished finished = testing::run(command);
-    if (finished.exit_code != 0) throw std::runtime_error(command + ": " + finished.output);
+  void start_munge() {
+    daemons_.push_back(std::make_unique<Daemon>(
+        fmt::format("umask 077 && head -c 128 /dev/urandom >{0}/munge.key && "
+                    "exec munged -F --force --key-file={0}/munge.key --socket={0}/munge "
+                    "--pid-file={0}/munge.pid --seed-file={0}/munge.seed --log-file={0}/munge.log",
+                    folder_.string()),
+        folder_ / "munged.log"));
+    wait_until([&] { return std::filesystem::exists(folder_ / "munge"); }, "munged's socket");
+  }
+  void start_node(int node) {
+    const NetworkNamespace& network = *networks_.emplace_back(std::make_unique<NetworkNamespace>());
+    network.run(
+        fmt::format("ip link add eth0 type veth peer name node{} netns {} && "
+                    "ip addr add {}/24 dev eth0 && ip link set eth0 up",
+                    node, controller_.path(), address_of(node)));
+    controller_.run(
+        fmt::format("ip link set node{0} master bridge && ip link set node{0} up", node));
+    nodes_.push_back(start(network, fmt::format("node{}", node), "slurmd -D"));
   }
   std::unique_ptr<Daemon> start(const NetworkNamespace& network, const std::string& name,
                                 const std::string& program) const {

@@ -72,7 +72,7 @@ struct FrontOptions {
   /// Called on a thread of its own. Where it fails, the parts in force stay.
   std::function<Result<NewParts>()> load_parts;
   Log log;
-  std::function<void()> on_ready;  ///< once, when every worker is ready
+  std::function<void()> on_ready;      ///< once, when every worker is ready
   std::function<void(Phase)> on_turn;  ///< on every turn of the loop, at least once a second
 };
 
