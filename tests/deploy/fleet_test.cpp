@@ -12,6 +12,10 @@ namespace {
 using ::testing::Each;
 using ::testing::Gt;
 
+TEST(Fleet, AnotherServerKeyFailsNoRequest) {
+  EXPECT_THAT(change_the_server_key(100), AllServed());
+}
+
 TEST(Fleet, AServerKilledBehindHaproxyFailsNoRequest) {
   if (const std::string why_not = why_no_haproxy(); !why_not.empty()) GTEST_SKIP() << why_not;
   const BehindHaproxy seen = kill_one_server_behind_haproxy(200);
