@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "commands.hpp"
+#include "graspd/command_line/installed.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/cell.hpp"
 #include "graspd/sim_cell/scene.hpp"
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 
 struct SimulateArguments {
   std::vector<std::string> parts;
-  fs::path catalogue = "deploy/parts";
+  fs::path catalogue;
   fs::path camera;
   fs::path output;
   std::vector<double> bin_size_m;
@@ -116,6 +117,8 @@ int simulate(const SimulateArguments& arguments) {
 
 void add_simulate_command(CLI::App& app) {
   const auto arguments = std::make_shared<SimulateArguments>();
+  arguments->catalogue = installed("usr/share/graspd/parts");
+  if (arguments->catalogue.empty()) arguments->catalogue = "deploy/parts";
   sim_cell::SceneOptions& scene = arguments->scene;
   CLI::App* command =
       app.add_subcommand("simulate", "record piles of parts under a simulated Kinect v2");

@@ -13,11 +13,13 @@
 #include <system_error>
 
 #include "commands.hpp"
+#include "graspd/command_line/installed.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/service/front.hpp"
 #include "graspd/service/private_directory.hpp"
 #include "planner.hpp"
 #include "refuse.hpp"
+#include "systemd_notifier.hpp"
 
 namespace graspd::program {
 namespace {
@@ -163,6 +165,8 @@ int serve(const ServeArguments& arguments) {
                              make_launcher(*config, *loaded, folder.path())};
   };
   options.log = make_log(config->log_level);
+  SystemdNotifier systemd;
+  options.on_turn = [&systemd](service::Phase phase) { systemd.tell(phase); };
   service::Front* running = nullptr;
   options.on_ready = [&] {
     const std::string http = running->http_url();
@@ -186,9 +190,12 @@ int serve(const ServeArguments& arguments) {
 
 void add_serve_command(CLI::App& app) {
   const auto arguments = std::make_shared<ServeArguments>();
+  arguments->config = installed("etc/graspd/server.yaml");
   CLI::App* command = app.add_subcommand("serve", "serve plan requests over the network");
   command
-      ->add_option("--config", arguments->config, "configuration; deploy/server.yaml explains it")
+      ->add_option("--config", arguments->config,
+                   "configuration; deploy/server.yaml explains it, and an installed server has it "
+                   "in /etc/graspd")
       ->type_name("FILE");
   command->add_option("--parts", arguments->parts, "folder of the part catalogue")
       ->type_name("DIR");

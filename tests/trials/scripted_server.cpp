@@ -46,14 +46,18 @@ int serve(const Words& words) {
   const PrivateDirectory folder;
   ProcessLauncher launcher("/proc/self/exe", {"scripted_server", "worker"});
   FrontOptions options;
-  options.config.data_endpoint = words.option("--endpoint", "tcp://127.0.0.1:0");
-  options.config.control_endpoint = words.option("--control-endpoint", "tcp://127.0.0.1:0");
-  options.config.workers_n = static_cast<std::uint32_t>(std::stoul(words.option("--workers", "2")));
-  options.config.insecure = words.has("--insecure");
-  if (!options.config.insecure) {
-    options.config.allowed_cells = words.option("--allowed-cells", "");
-    options.authentication = {keys::read_key_pair(words.option("--key", "")).value(),
-                              keys::AllowList::read(options.config.allowed_cells).value()};
+  ServerConfig& config = options.config;
+  config.data_endpoint = config.control_endpoint = "tcp://127.0.0.1:0";
+  const std::string file = words.option("--config", "");
+  if (!file.empty()) config = read_config(file).value();
+  config.data_endpoint = words.option("--endpoint", config.data_endpoint);
+  config.control_endpoint = words.option("--control-endpoint", config.control_endpoint);
+  config.workers_n = static_cast<std::uint32_t>(std::stoul(words.option("--workers", "2")));
+  config.insecure = words.has("--insecure");
+  if (!config.insecure) {
+    config.allowed_cells = words.option("--allowed-cells", config.allowed_cells);
+    options.authentication = {keys::read_key_pair(words.option("--key", config.key_file)).value(),
+                              keys::AllowList::read(config.allowed_cells).value()};
   }
   options.facts.part_ids = kScriptedParts;
   options.facts.server = kScriptedServer;

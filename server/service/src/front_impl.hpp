@@ -92,6 +92,7 @@ class Front::Impl {
   void read_loaded();
   void take_turns();
   void retire_last_crew();
+  bool changing_parts() const { return loading_.valid() || next_crew_ || last_crew_; }
   std::unique_ptr<Crew> make_crew(ServerFacts facts, WorkerLauncher& launcher);
   std::vector<Crew*> crews() const;
   void tend(Crew& crew);
@@ -115,6 +116,7 @@ class Front::Impl {
   void send_to_client(zmq::socket_t& socket, const std::string& client, zmq::message_t envelope);
 
   // What is told of it all.
+  Phase phase() const;
   std::optional<std::string> why_not_ready() const;
   std::optional<std::string> why_not_alive() const;
   HealthAnswer health() const;

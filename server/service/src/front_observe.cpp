@@ -38,6 +38,12 @@ std::optional<std::string> Front::Impl::why_not_alive() const {
   return fmt::format("the server has read no message for {} s; restart it", silent.count());
 }
 
+Phase Front::Impl::phase() const {
+  if (drain_until_) return Phase::kDraining;
+  if (!was_ready_) return Phase::kStarting;
+  return reload_again_ || changing_parts() ? Phase::kReloading : Phase::kReady;
+}
+
 HttpPages Front::Impl::http_pages() {
   return {[this] { return metrics_.text(); }, [this] { return why_not_alive(); },
           [this] { return status_.why_not_ready(); }};
@@ -64,6 +70,7 @@ void Front::Impl::observe() {
   load.draining = drain_until_.has_value();
   metrics_.set_load(load);
   status_.publish(now, why_not);
+  if (options_.on_turn) options_.on_turn(phase());
 }
 
 HealthAnswer Front::Impl::health() const {

@@ -58,8 +58,7 @@ void Front::Impl::read_reload() {
     reload_again_ = true;
   }
   read_loaded();
-  const bool at_rest = !loading_.valid() && !next_crew_ && !last_crew_;
-  if (reload_again_ && at_rest) {
+  if (reload_again_ && !changing_parts()) {
     reload_again_ = false;
     load_parts();
   }

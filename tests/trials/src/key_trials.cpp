@@ -77,4 +77,38 @@ Overhead overhead(int requests_n) {
   return {seen_in(plain_history).p50_ms, seen_in(curve_history).p50_ms};
 }
 
+Seen change_the_server_key(std::size_t requests_n) {
+  const std::vector<std::string> names{"a", "b", "c", "d"};
+  const Keyring before({"a_0", "b_0", "c_0", "d_0"});
+  const Keyring after(before.of_cells());
+  std::unique_ptr<testing::ServeProcess> servers[]{start_server(2, {}, &before),
+                                                   start_server(2, {}, &before)};
+  const std::vector<std::string> endpoints{servers[0]->data_endpoint, servers[1]->data_endpoint};
+  History history;
+  std::vector<std::unique_ptr<ClosedLoop>> cells;
+  const auto start_cell = [&](const std::string& name, const Keyring& keys) {
+    LoadOptions options = cells_of(endpoints, 1);
+    options.name = name;
+    options.keys = keys.of_cells();
+    return std::make_unique<ClosedLoop>(options, history);
+  };
+  const auto change_server = [&](int i) {
+    servers[i]->kill(SIGTERM);
+    servers[i]->wait();
+    servers[i] = start_server(2, endpoints[static_cast<std::size_t>(i)], &after);
+    history.wait_for(requests_n);
+  };
+  for (const std::string& name : names) cells.push_back(start_cell(name, before));
+  history.wait_for(requests_n);
+  change_server(0);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    cells[i]->stop();
+    cells[i] = start_cell(names[i], after);
+    history.wait_for(requests_n);
+  }
+  change_server(1);
+  for (const auto& cell : cells) cell->stop();
+  return seen_in(history);
+}
+
 }  // namespace graspd::trials

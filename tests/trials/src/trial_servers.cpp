@@ -21,13 +21,19 @@ T or_throw(Result<T> result) {
 
 }  // namespace
 
-Keyring::Keyring(const std::vector<std::string>& cells) {
+Keyring::Keyring(const std::vector<std::string>& cells)
+    : Keyring([&] {
+        std::map<std::string, keys::ClientKeys> made;
+        for (const std::string& cell : cells) made[cell].own = keys::make_key_pair(cell);
+        return made;
+      }()) {}
+
+Keyring::Keyring(const std::map<std::string, keys::ClientKeys>& cells) : of_cells_(cells) {
   const keys::KeyPair server = keys::make_key_pair("server");
   or_throw(keys::write_key_pair(server, folder_.path()));
-  for (const std::string& cell : cells) {
-    const keys::KeyPair own = keys::make_key_pair(cell);
-    or_throw(keys::allow(folder_.path() / "allowed_cells", {cell, own.public_key}));
-    of_cells_.insert({cell, {server.public_key, own}});
+  for (auto& [cell, keys] : of_cells_) {
+    or_throw(keys::allow(folder_.path() / "allowed_cells", {cell, keys.own.public_key}));
+    keys.server_key = server.public_key;
   }
 }
 

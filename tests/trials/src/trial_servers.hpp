@@ -18,6 +18,8 @@ class Keyring {
  public:
   /// All cells are allowed at first.
   explicit Keyring(const std::vector<std::string>& cells);
+  /// The same cells' keys, and a server's of its own.
+  explicit Keyring(const std::map<std::string, keys::ClientKeys>& cells);
   const std::map<std::string, keys::ClientKeys>& of_cells() const { return of_cells_; }
   /// What a server is told of them.
   std::vector<std::string> server_words() const;

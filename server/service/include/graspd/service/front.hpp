@@ -51,6 +51,14 @@ struct NewParts {
   std::unique_ptr<WorkerLauncher> launcher;
 };
 
+/// What the server is at, for whoever started it.
+enum class Phase {
+  kStarting,
+  kReady,
+  kReloading,  ///< and serving
+  kDraining,
+};
+
 struct FrontOptions {
   ServerConfig config;
   ServerFacts facts;
@@ -64,7 +72,8 @@ struct FrontOptions {
   /// Called on a thread of its own. Where it fails, the parts in force stay.
   std::function<Result<NewParts>()> load_parts;
   Log log;
-  std::function<void()> on_ready;  ///< once, when every worker is ready
+  std::function<void()> on_ready;      ///< once, when every worker is ready
+  std::function<void(Phase)> on_turn;  ///< on every turn of the loop, at least once a second
 };
 
 /// An endpoint is in use, or is not this machine's.

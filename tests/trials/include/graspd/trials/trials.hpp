@@ -79,6 +79,10 @@ struct RevokedKey : Seen {       ///< of the cells that stay allowed
 /// ask on.
 RevokedKey revoke_a_key(std::size_t requests_n);
 
+/// Two servers and their cells change to another server key, as deploy/README.md says: one server,
+/// then cell by cell, then the other server. \param requests_n of each step
+Seen change_the_server_key(std::size_t requests_n);
+
 struct Crowd : Seen {
   double alone_p99_ms = 0;      ///< of the same client before
   std::size_t connected_n = 0;  ///< of the crowd at once, at most
