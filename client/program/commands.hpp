@@ -10,7 +10,9 @@ void add_plan_command(CLI::App& app);
 void add_health_command(CLI::App& app);
 /// Adds `stats`: what servers do, as a live table.
 void add_stats_command(CLI::App& app);
-/// Adds `replay`: sends a request again that a server has recorded.
+/// Adds `record`: makes a rawlog of what a server's flight recorder keeps.
+void add_record_command(CLI::App& app);
+/// Adds `replay`: asks again what was recorded, and compares the answers.
 void add_replay_command(CLI::App& app);
 
 /// Adds `keys new|allow|revoke|list`: who may use a server.

@@ -13,6 +13,7 @@ namespace graspd::program {
 
 inline constexpr int kExitTryAgain = 3;
 inline constexpr int kExitNothingToGrasp = 4;
+inline constexpr int kExitDiffers = 5;
 
 inline int exit_code(Code code) {
   switch (code) {

@@ -10,11 +10,12 @@ int main(int count, char** words) {
         "the "
         "server, 2 wrong command\nline, file or request, 3 try again (no server there, busy, out "
         "of "
-        "time), 4 answered, but nothing to grasp.\n\n"
+        "time), 4 answered, but nothing to grasp, 5 (replay) answers differ from those before.\n\n"
         "Example: grasp plan --depth frame.png --camera camera.yaml --part tee --overlay plan.png");
     graspd::program::add_plan_command(app);
     graspd::program::add_health_command(app);
     graspd::program::add_stats_command(app);
+    graspd::program::add_record_command(app);
     graspd::program::add_replay_command(app);
     graspd::program::add_keys_command(app);
   });

@@ -5,10 +5,10 @@
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "graspd/client/client.hpp"
-#include "graspd/formats/cell.hpp"
 #include "graspd/formats/depth_image.hpp"
 #include "graspd/overlay/overlay.hpp"
 #include "plan_report.hpp"
+#include "request_arguments.hpp"
 #include "server_arguments.hpp"
 
 namespace graspd::program {
@@ -16,14 +16,13 @@ namespace {
 
 struct PlanArguments {
   ServerArguments servers;
+  RequestArguments request;
   std::string depth;
-  std::string camera;
-  std::string cell;
   std::string cell_name;
-  std::vector<std::string> parts;
   std::string overlay;
   bool json = false;
   bool explain = false;
+  bool record = false;
   std::string segmentation;
   std::string registration;
   std::string order;
@@ -47,27 +46,20 @@ E choice(const std::string& name) {
 }
 
 Result<Question> read_question(const PlanArguments& arguments) {
-  const auto calibration = read_camera(arguments.camera);
-  if (!calibration) return tl::unexpected(calibration.error());
+  auto cell_request = read_cell_request(arguments.request);
+  if (!cell_request) return tl::unexpected(cell_request.error());
   auto image = read_png16(arguments.depth);
   if (!image) return tl::unexpected(image.error());
-  const CameraIntrinsics& camera = calibration->camera;
+  const CameraIntrinsics& camera = cell_request->camera;
   if (image->width_px != camera.width_px || image->height_px != camera.height_px) {
     return invalid("{} has {} × {} pixels, but {} describes a camera of {} × {}", arguments.depth,
-                   image->width_px, image->height_px, arguments.camera, camera.width_px,
+                   image->width_px, image->height_px, arguments.request.camera, camera.width_px,
                    camera.height_px);
   }
   Question question;
-  question.frame = {camera, calibration->depth_scale_m, std::move(image->values)};
+  question.frame = {camera, cell_request->depth_scale_m, std::move(image->values)};
   PlanRequest& request = question.request;
-  request.T_base_camera = calibration->T_base_camera.value_or(looking_down());
-  if (!arguments.cell.empty()) {
-    const auto cell = read_cell(arguments.cell);
-    if (!cell) return tl::unexpected(cell.error());
-    request.bin = cell->bin;
-    request.gripper = cell->gripper;
-  }
-  for (const std::string& part : arguments.parts) request.parts.push_back({part, 0});
+  request = std::move(cell_request->request);
   request.options.segmentation = choice<Segmentation>(arguments.segmentation);
   request.options.registration = choice<Registration>(arguments.registration);
   request.options.order = choice<GraspOrder>(arguments.order);
@@ -77,6 +69,7 @@ Result<Question> read_question(const PlanArguments& arguments) {
   request.options.max_grasps_n = arguments.max_grasps_n;
   request.options.explain_rejected = arguments.explain;
   request.options.outlines = !arguments.overlay.empty();
+  request.options.record = arguments.record;
   return question;
 }
 
@@ -120,13 +113,7 @@ void add_options(CLI::App& command, PlanArguments& arguments) {
   command.add_option("--depth", arguments.depth, "depth image, 16 bits, one channel")
       ->type_name("PNG")
       ->required();
-  command.add_option("--camera", arguments.camera, "OpenCV calibration (and T_base_camera)")
-      ->type_name("YAML")
-      ->required();
-  command.add_option("--part", arguments.parts, "part to look for; say it once per part")
-      ->type_name("ID")
-      ->required();
-  command.add_option("--cell", arguments.cell, "bin and gripper of the cell")->type_name("YAML");
+  for (CLI::Option* option : add_request_options(command, arguments.request)) option->required();
   command
       .add_option("--cell-name", arguments.cell_name,
                   "whose turn the request counts as; default: the key's cell, else 'grasp'")
@@ -134,6 +121,7 @@ void add_options(CLI::App& command, PlanArguments& arguments) {
   command.add_option("--overlay", arguments.overlay, "draw the plan over the depth image")
       ->type_name("PNG");
   command.add_flag("--json", arguments.json, "print the whole answer as JSON");
+  command.add_flag("--record", arguments.record, "have the server's flight recorder keep it");
   command.add_flag("--explain", arguments.explain, "list rejected grasps with their reasons");
   add_choice<Segmentation>(command, "--segmentation", arguments.segmentation);
   add_choice<Registration>(command, "--registration", arguments.registration);

@@ -70,13 +70,22 @@ Result<void> add_gripper(const std::optional<output_gripper::GripperOptions>& ou
 }  // namespace
 
 Result<Equipment> make_equipment(const CellConfig& config, const CellFrames& frames) {
-  if (config.arm.pile) return make_simulated_equipment(config);
+  auto equipment = make_camera(config, frames);
+  if (!equipment || config.arm.pile) return equipment;
+  const auto made = add_arm(config, frames, *equipment).and_then([&] {
+    return add_gripper(config.gripper_output, *equipment);
+  });
+  if (!made) return tl::unexpected(made.error());
+  return equipment;
+}
+
+Result<Equipment> make_camera(const CellConfig& config, const CellFrames& frames) {
+  if (config.arm.pile) return make_simulated_equipment(config);  // one thing is all of it
   Equipment equipment;
   equipment.clock = std::make_shared<SystemClock>();
-  const auto made = add_camera(*config.camera, frames, equipment)
-                        .and_then([&] { return add_arm(config, frames, equipment); })
-                        .and_then([&] { return add_gripper(config.gripper_output, equipment); });
-  if (!made) return tl::unexpected(made.error());
+  if (auto ok = add_camera(*config.camera, frames, equipment); !ok) {
+    return tl::unexpected(ok.error());
+  }
   return equipment;
 }
 

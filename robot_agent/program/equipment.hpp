@@ -26,5 +26,7 @@ struct Equipment {
 /// \returns INVALID_ARGUMENT where a file that is named is not there, or not what it should be;
 /// UNAVAILABLE where camera or arm does not answer. Nothing has moved then.
 Result<Equipment> make_equipment(const CellConfig& config, const CellFrames& frames);
+/// Clock and camera alone: neither a real arm nor a gripper is opened.
+Result<Equipment> make_camera(const CellConfig& config, const CellFrames& frames);
 
 }  // namespace graspd::robot_agent

@@ -31,6 +31,7 @@ int main(int count, char** words) {
     app.parse_complete_callback([&] { set_up_log(log_level); });
     graspd::robot_agent::add_calibrate_command(app);
     graspd::robot_agent::add_run_command(app);
+    graspd::robot_agent::add_record_command(app);
     graspd::robot_agent::add_report_command(app);
     graspd::robot_agent::add_simulate_command(app);
   });

@@ -4,6 +4,7 @@
 
 #include "cell_config.hpp"
 #include "cell_frames.hpp"
+#include "cell_request.hpp"
 #include "commands.hpp"
 #include "console_operator.hpp"
 #include "equipment.hpp"
@@ -59,12 +60,10 @@ Result<std::unique_ptr<agent::Planner>> make_planner(const CellConfig& config) {
 }
 
 Result<agent::Task> make_task(const CellConfig& config, const CellFrames& frames) {
+  const auto request = make_request(config, frames);
+  if (!request) return tl::unexpected(request.error());
   agent::Task task;
-  task.request.T_base_camera = frames.T_base_camera;
-  task.request.bin = frames.bin;
-  task.request.parts = config.parts;
-  task.request.gripper = config.gripper;
-  task.request.options = config.options;
+  task.request = *request;
   task.request.options.outlines = !config.overlays.empty();
   task.T_base_place = config.T_base_place;
   task.failed_spot_radius_m = config.failed_spot_radius_m;
@@ -75,7 +74,6 @@ Result<agent::Task> make_task(const CellConfig& config, const CellFrames& frames
   if (task.reactions.any(agent::Reaction::kStir) && !task.request.bin) {
     return invalid("reactions: to stir, the agent must know where the bin is; add a bin section");
   }
-  if (const auto ok = validate(task.request); !ok) return tl::unexpected(ok.error());
   return task;
 }
 

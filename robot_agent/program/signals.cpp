@@ -2,23 +2,19 @@
 
 #include <signal.h>
 
-#include <initializer_list>
-
 namespace graspd::robot_agent {
 namespace {
 
-volatile sig_atomic_t stop = 0;
 volatile sig_atomic_t go_on = 0;
 
 }  // namespace
 
 void listen_for_signals() {
+  listen_for_stop();
   struct sigaction action {};
-  action.sa_handler = [](int signal) { (signal == SIGUSR1 ? go_on : stop) = 1; };
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaction(signal, &action, nullptr);
+  action.sa_handler = [](int) { go_on = 1; };
+  sigaction(SIGUSR1, &action, nullptr);
 }
-
-bool asked_to_stop() { return stop != 0; }
 
 bool told_to_go_on() {
   const bool told = go_on != 0;

@@ -5,6 +5,9 @@
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <algorithm>
+#include <fstream>
+
 #include "graspd/recordings/rawlog.hpp"
 #include "temporary_folder.hpp"
 
@@ -57,7 +60,7 @@ class RawlogTest : public ::testing::Test {
         return {frames, frame.error().message};
       }
       if (!*frame) return {frames, ""};
-      frames.push_back(**frame);
+      frames.push_back((*frame)->frame);
     }
   }
 
@@ -80,6 +83,80 @@ TEST_F(RawlogTest, FramesIntrinsicsDistortionAndScaleComeBack) {
   EXPECT_EQ(error, "");
   ASSERT_EQ(read.size(), frames.size());
   for (std::size_t i = 0; i < read.size(); ++i) expect_equal(read[i], frames[i]);
+}
+
+TEST_F(RawlogTest, WhatWasAskedAndAnsweredComesBackWithItsFrame) {
+  Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
+  T_base_camera.translation() << 0.4, -0.1, 0.9;
+  T_base_camera.rotate(Eigen::AngleAxisd(3, Eigen::Vector3d(1, 0.1, 0).normalized()));
+  auto writer = RawlogWriter::create(path);
+  ASSERT_TRUE(writer->add({random_frame(1), 1.25, T_base_camera, "first", "its answer"}));
+  ASSERT_TRUE(writer->add({random_frame(2), 2.5, std::nullopt, "first"}));
+  ASSERT_TRUE(writer->add({random_frame(3), 3.75, std::nullopt, "second"}));
+  ASSERT_TRUE(writer->add({random_frame(4), 5}));
+  ASSERT_TRUE(writer->finish());
+  auto reader = RawlogReader::open(path);
+  const auto read = [&] { return reader->next().value().value(); };
+  const RecordedFrame first = read();
+  EXPECT_EQ(first.stamp_s, 1.25);
+  ASSERT_TRUE(first.T_base_camera);
+  EXPECT_TRUE(first.T_base_camera->isApprox(T_base_camera, 1e-12));
+  EXPECT_EQ(first.request, "first");
+  EXPECT_EQ(first.answer, "its answer");
+  const RecordedFrame second = read();
+  EXPECT_EQ(second.request, "first");
+  EXPECT_EQ(second.answer, "");
+  EXPECT_FALSE(second.T_base_camera);
+  EXPECT_EQ(read().request, "second");
+  EXPECT_EQ(read().request, "");
+}
+
+TEST_F(RawlogTest, WhatWasAddedCanBeReadBeforeTheFileIsFinished) {
+  auto writer = RawlogWriter::create(path);
+  for (unsigned i = 0; i < 3; ++i) {
+    ASSERT_TRUE(writer->add(random_frame(i), i));
+    const auto [frames, error] = read_all();
+    EXPECT_EQ(frames.size(), i + 1);
+    EXPECT_THAT(error, HasSubstr("cut short"));
+  }
+}
+
+TEST_F(RawlogTest, AFullDiskIsSaid) {
+  auto writer = RawlogWriter::create("/dev/full");
+  ASSERT_TRUE(writer);
+  const auto refused = writer->add(random_frame(1, 512, 424), 1);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::kInternal);
+  EXPECT_THAT(refused.error().message, HasSubstr("after 0 frames"));
+}
+
+long resident_kib() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmRSS:")) return std::stol(line.substr(6));
+  }
+  return 0;
+}
+
+TEST_F(RawlogTest, ALargeFileIsReadFrameByFrame) {
+  // Half a gigabyte: gzip files put behind one another are one file.
+  DepthFrame frame = random_frame(1, 512, 424);
+  std::ranges::fill(frame.depth, 700);
+  write(std::vector<DepthFrame>(24, frame));
+  const std::string once = bytes();
+  std::ofstream file(path, std::ios::app | std::ios::binary);
+  for (int i = 1; i < 50; ++i) file << once;
+  file.close();
+  auto reader = RawlogReader::open(path);
+  std::size_t frames_n = 0;
+  long most_kib = 0;
+  long first_kib = 0;
+  while (const auto next = reader->next().value()) {
+    if (++frames_n == 10) first_kib = resident_kib();
+    if (frames_n % 100 == 0) most_kib = std::max(most_kib, resident_kib());
+  }
+  EXPECT_EQ(frames_n, 1200u);
+  EXPECT_LT(most_kib - first_kib, 16 * 1024);
 }
 
 TEST_F(RawlogTest, TheSameFramesMakeTheSameBytes) {

@@ -65,7 +65,7 @@ TEST_F(SimSceneTest, BopSceneAndRawlogHoldWhatWasMade) {
     const auto recorded = rawlog->next();
     ASSERT_TRUE(made && image && recorded && *recorded);
     expect_equal(image->frame, made->frame);
-    expect_equal(**recorded, made->frame);
+    expect_equal((*recorded)->frame, made->frame);
     ASSERT_TRUE(image->bin && image->instance);
     EXPECT_EQ(image->instance->values, made->instance->values);
     EXPECT_TRUE(image->bin->T_camera_bin.isApprox(made->bin->T_camera_bin, 1e-9));

@@ -37,8 +37,8 @@ inline auto fields(RequestedPart& s) {
   return std::tie(a, b);
 }
 inline auto fields(PlanOptions& s) {
-  auto& [a, b, c, d, e, f, g, h, i] = s;
-  return std::tie(a, b, c, d, e, f, g, h, i);
+  auto& [a, b, c, d, e, f, g, h, i, j] = s;
+  return std::tie(a, b, c, d, e, f, g, h, i, j);
 }
 inline auto fields(LastObject& s) {
   auto& [a, b, c, d, e, f] = s;

@@ -43,7 +43,7 @@ TEST_F(AgentSimulateTest, WritesTheSameFramesAsBopSceneAndRawlog) {
   for (const DepthFrame& frame : frames) {
     const auto recorded = rawlog->next();
     ASSERT_TRUE(recorded && *recorded);
-    EXPECT_EQ((*recorded)->depth, frame.depth);
+    EXPECT_EQ((*recorded)->frame.depth, frame.depth);
   }
   EXPECT_NE(frames[0].depth, frames[1].depth);
 }

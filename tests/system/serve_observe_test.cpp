@@ -86,7 +86,8 @@ TEST_F(ObserveTest, APartThatIsNotFoundInItsGoldenFrameKeepsTheServerFromGetting
 
 TEST_F(ObserveTest, EveryLineOfTheLogIsJsonAndAFailedRequestCanBeSentAgain) {
   const std::string log = path("log");
-  const std::string file = config("record_failed: failed\nworker_time_limit_ms: 300\n");
+  const std::string file =
+      config("flight_recorder:\n  folder: flights\nworker_time_limit_ms: 300\n");
   ServeProcess server({"--config", file, "--workers", "1"}, log);
   ASSERT_TRUE(server.wait_ready());
   client::ClientOptions options;
@@ -96,11 +97,12 @@ TEST_F(ObserveTest, EveryLineOfTheLogIsJsonAndAFailedRequestCanBeSentAgain) {
   const RequestId id{0xee, 7};
   EXPECT_FALSE(client.plan(frame_, request_, seconds(30), id));
 
-  const Finished replayed = run(std::string(GRASP) + " replay " +
-                                path("failed/ee070000000000000000000000000000.request") +
-                                " --server " + server.data_endpoint);
+  const Finished replayed =
+      run(std::string(GRASP) + " replay " + path("flights/default/*_ee070000*.flight") +
+          " --server " + server.data_endpoint);
   EXPECT_EQ(replayed.exit_code, 0) << replayed.output;
   EXPECT_THAT(replayed.output, HasSubstr("PLANNED"));
+  EXPECT_THAT(replayed.output, HasSubstr("; was INTERNAL ("));
   server.kill(SIGTERM);
   EXPECT_EQ(server.wait(), 0);
 

@@ -58,7 +58,7 @@ TEST_F(ServiceHost, NoRoomForAFailedRequestIsALineOfTheLog) {
   // /dev/full is no folder, so that nothing can be kept there, whoever runs this.
   const std::string config = folder_
                                  .write("server.yaml",
-                                        "parts: parts\nrecord_failed: /dev/full\n"
+                                        "parts: parts\nflight_recorder:\n  folder: /dev/full\n"
                                         "worker_time_limit_ms: 300\n")
                                  .string();
   const std::string log = path("log");

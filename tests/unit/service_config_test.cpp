@@ -92,7 +92,7 @@ TEST_F(ConfigTest, WhatIsWrittenReadsBackTheSame) {
   config.parts = "/somewhere/with \"quotes\" and: colons";
   config.workers_n = 5;
   config.log_level = LogLevel::kOff;
-  config.record_failed = "/somewhere/failed";
+  config.flight_recorder = {"/somewhere/flights", FlightsKept::kAll, 7, 9};
   config.http_endpoint = "tcp://0.0.0.0:9464";
   config.http_expose = true;
   config.perception.segmentation.method = Segmentation::kEuclidean;

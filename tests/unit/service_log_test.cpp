@@ -1,20 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "service_front_support.hpp"
-#include "service_raw_client.hpp"
-#include "temporary_folder.hpp"
 
 // The log's lines, which must be enough to find a request, to explain it, and to send it again.
 namespace graspd::service {
 namespace {
 
 using client::Client;
-using graspd::testing::TemporaryFolder;
 using nlohmann::json;
 using ::testing::HasSubstr;
 
@@ -27,11 +22,6 @@ std::vector<json> lines_with(RunningFront& front, const std::string& key) {
     if (line.contains(key)) lines.push_back(std::move(line));
   }
   return lines;
-}
-
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(Log, OneLineOfAPlannedRequest) {
@@ -92,53 +82,6 @@ TEST(Log, IsJsonWhateverSentencesHold) {
   const auto lines = lines_with(front, "request_id");
   ASSERT_FALSE(lines.empty());
   EXPECT_THAT(lines[0].at("message"), HasSubstr("\"quotes\"\nline feed"));
-}
-
-TEST(Recorder, KeepsWhatFailedAsItCame) {
-  const TemporaryFolder folder;
-  ServerConfig config = scripted_config(1);
-  config.record_failed = folder.path() / "failed";
-  ProcessLauncher launcher = processes();
-  RunningFront front(config, launcher);
-  std::vector<std::string> frames = good_frames();
-  RawClient client(front.data_endpoint);
-  client.send(frames);
-  EXPECT_EQ(client.receive().code, Code::kOk);
-  EXPECT_FALSE(std::filesystem::exists(config.record_failed)) << "nothing has failed yet";
-
-  Client crashing({front.data_endpoint}, options_of("cell", 1));
-  const RequestId id{0xcd, 2};
-  EXPECT_FALSE(crashing.plan(example_frame(), example_request({"crash"}), kBudget, id));
-  const auto lines = lines_with(front, "recorded");
-  ASSERT_EQ(lines.size(), 1u);
-  const std::filesystem::path request = lines[0].at("recorded").get<std::string>();
-  EXPECT_EQ(request, config.record_failed / "cd020000000000000000000000000000.request");
-  std::filesystem::path depth = request;
-  depth.replace_extension(".depth");
-  using std::filesystem::perms;
-  EXPECT_EQ(std::filesystem::status(depth).permissions(), perms::owner_read | perms::owner_write);
-
-  // Sent again as they are, they are the same request: it crashes a worker once more.
-  client.send({bytes_of(request), bytes_of(depth)});
-  const Answer again = client.receive();
-  EXPECT_EQ(again.id, id);
-  EXPECT_EQ(again.code, Code::kInternal);
-}
-
-TEST(Recorder, AFolderThatCannotBeMadeCostsTheRecordAlone) {
-  const TemporaryFolder folder;
-  ServerConfig config = scripted_config(0);
-  config.record_failed = folder.write("file", "in the way");
-  ThreadLauncher launcher = threads();
-  RunningFront front(config, launcher);
-  Client client({front.data_endpoint});
-  EXPECT_FALSE(client.plan(example_frame(), example_request({"throw"}), kBudget));
-  EXPECT_TRUE(client.plan(example_frame(), example_request(), kBudget));
-  EXPECT_TRUE(lines_with(front, "recorded").empty());
-  const auto sentences = lines_with(front, "message");
-  EXPECT_TRUE(std::any_of(sentences.begin(), sentences.end(), [](const json& line) {
-    return line.at("message").get<std::string>().find("record_failed: ") == 0;
-  }));
 }
 
 }  // namespace

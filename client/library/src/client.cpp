@@ -69,6 +69,31 @@ std::future<Result<PlanAnswer>> Client::submit(const DepthFrame& frame, const Pl
   return promise->get_future();
 }
 
+Result<PlanAnswer> Client::ask_again(std::string_view envelope, std::string_view depth_image,
+                                     std::chrono::milliseconds budget, const RequestId& id) {
+  auto request = codec::decode_request(std::as_bytes(std::span(envelope)));
+  if (!request) return tl::unexpected(request.error());
+  const auto* plan = std::get_if<PlanCall>(&request->call);
+  if (plan == nullptr) return invalid("this is no plan request");
+  const auto image = std::as_bytes(std::span(depth_image));
+  if (auto frame = codec::decode_frame(plan->frame, image); !frame) {
+    return tl::unexpected(frame.error());
+  }
+  Loop::Call call;
+  call.request = *std::move(request);
+  call.request.id = id;
+  if (options_.keys || call.request.cell.empty()) call.request.cell = options_.cell;
+  call.envelope = envelope;
+  call.payload = std::make_shared<const std::vector<std::byte>>(image.begin(), image.end());
+  call.deadline = Clock::now() + budget;
+  auto promise = std::make_shared<std::promise<Result<PlanAnswer>>>();
+  call.done = [promise](Result<Answer> answer) {
+    promise->set_value(body_of<PlanAnswer>(std::move(answer)));
+  };
+  loop_->post(std::move(call));
+  return promise->get_future().get();
+}
+
 std::vector<ServerHealth> Client::health(std::chrono::milliseconds budget) {
   std::vector<std::future<Result<HealthAnswer>>> futures;
   for (std::size_t server = 0; server < endpoints_.size(); ++server) {

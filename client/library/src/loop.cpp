@@ -48,6 +48,16 @@ std::thread thread_without_signals(std::function<void()> body) {
   return thread;
 }
 
+/// What goes out for a call: its request, or the recorded envelope with its header.
+template <class Call>  // Client::Loop is private
+std::string envelope_of(const Call& call) {
+  const Request& request = call.request;
+  if (call.envelope.empty()) return codec::encode_request(request);
+  return codec::with_header(std::as_bytes(std::span(call.envelope)),
+                            {request.id, request.attempt, request.cell, request.budget_ms})
+      .value();
+}
+
 }  // namespace
 
 Client::Loop::Loop(const std::vector<std::string>& endpoints, std::optional<keys::ClientKeys> keys,
@@ -165,7 +175,7 @@ void Client::Loop::send_due() {
     Call& call = calls_.at(attempt.id);
     call.request.attempt = attempt.number;
     call.request.budget_ms = static_cast<std::uint32_t>(attempt.budget.count());
-    const std::string envelope = codec::encode_request(call.request);
+    const std::string envelope = envelope_of(call);
     std::vector<zmq::message_t> frames;
     frames.emplace_back(envelope.data(), envelope.size());
     if (call.payload) frames.push_back(frame_of(call.payload));

@@ -21,7 +21,8 @@ class Client::Loop {
   using Done = std::function<void(Result<Answer>)>;
 
   struct Call {
-    Request request;  ///< attempt and budget are filled in with each attempt
+    Request request;       ///< attempt and budget are filled in with each attempt
+    std::string envelope;  ///< not empty: this is sent, with the header of `request`
     std::shared_ptr<const std::vector<std::byte>> payload;  ///< null for health
     TimePoint deadline;
     std::optional<std::size_t> only;

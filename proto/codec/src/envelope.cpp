@@ -1,8 +1,6 @@
-#include <google/protobuf/io/coded_stream.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
-
 #include <algorithm>
 
+#include "bytes.hpp"
 #include "convert.hpp"
 #include "graspd/codec/codec.hpp"
 #include "valid_utf8.hpp"
@@ -12,14 +10,6 @@ namespace graspd::codec {
 namespace {
 
 namespace pb = google::protobuf;
-
-/// From an array, whose end protobuf knows: from a stream it would reserve up to 50 MB for a string
-/// that says it is so long. Protobuf itself stops at a hundred nested messages; ours nest seven.
-bool parse(Bytes envelope, pb::Message& message) {
-  // It prints why it refuses a string that is not UTF-8. A stranger shall not fill our logs.
-  const pb::LogSilencer silencer;
-  return message.ParseFromArray(envelope.data(), static_cast<int>(envelope.size()));
-}
 
 Result<void> parse_envelope(Bytes envelope, std::size_t max_bytes, std::string_view if_too_large,
                             pb::Message& message) {
@@ -34,17 +24,6 @@ Result<void> parse_envelope(Bytes envelope, std::size_t max_bytes, std::string_v
         envelope.size(), type);
   }
   return {};
-}
-
-std::string serialize(const pb::Message& message) {
-  std::string bytes;
-  {  // The streams give the string its size when they are destroyed.
-    pb::io::StringOutputStream stream(&bytes);
-    pb::io::CodedOutputStream output(&stream);
-    output.SetSerializationDeterministic(true);
-    message.SerializeToCodedStream(&output);
-  }
-  return bytes;
 }
 
 std::string id_bytes(const RequestId& id) { return {id.begin(), id.end()}; }
@@ -171,6 +150,16 @@ Result<Answer> decode_answer(Bytes envelope) {
   Answer answer = read(message, Field(refusal));
   if (refusal) return broken(*refusal);
   return answer;
+}
+
+Result<std::string> with_header(Bytes envelope, const RequestHeader& header) {
+  v1::Request message;
+  if (!parse(envelope, message)) return invalid("these {} bytes are no request", envelope.size());
+  message.set_id(id_bytes(header.id));
+  message.set_attempt(header.attempt);
+  message.set_cell(header.cell);
+  message.set_budget_ms(header.budget_ms);
+  return serialize(message);
 }
 
 RequestId salvage_request_id(Bytes envelope) {

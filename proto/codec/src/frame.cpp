@@ -1,9 +1,8 @@
-#include <libdeflate.h>
-
 #include <bit>
 #include <cstring>
 
 #include "convert.hpp"
+#include "crc32.hpp"
 #include "graspd/codec/codec.hpp"
 #include "rvl.hpp"
 
@@ -14,11 +13,6 @@ static_assert(std::endian::native == std::endian::little, "raw depth is sent as 
 
 std::size_t pixels_n(const CameraIntrinsics& camera) {
   return static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
-}
-
-/// Not zlib's: the same number took it three times as long, half of a worker's decoding.
-std::uint32_t crc32_of(Bytes payload) {
-  return libdeflate_crc32(0, payload.data(), payload.size());
 }
 
 Result<std::vector<std::uint16_t>> decode_depth(const FrameDescription& description,

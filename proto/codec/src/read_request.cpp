@@ -84,6 +84,7 @@ PlanOptions read(const v1::PlanOptions& in, const Field& at) {
   options.max_grasps_n = in.max_grasps_n();
   options.explain_rejected = in.explain_rejected();
   options.outlines = in.outlines();
+  options.record = in.record();
   return options;
 }
 

@@ -69,6 +69,7 @@ void write(const PlanOptions& options, v1::PlanOptions& out) {
   out.set_max_grasps_n(options.max_grasps_n);
   out.set_explain_rejected(options.explain_rejected);
   out.set_outlines(options.outlines);
+  out.set_record(options.record);
 }
 
 void write(const LastObject& object, v1::LastObject& out) {

@@ -97,7 +97,11 @@ Result<ServerConfig> read_config(const std::filesystem::path& path) {
   root.optional("worker_time_limit_ms", config.worker_time_limit_ms);
   root.optional("drain_limit_ms", config.drain_limit_ms);
   root.optional_enum("log_level", config.log_level);
-  optional_path(root, "record_failed", path, config.record_failed);
+  YamlMap flights = root.map("flight_recorder");
+  optional_path(flights, "folder", path, config.flight_recorder.folder);
+  flights.optional_enum("keep", config.flight_recorder.keep);
+  flights.optional("per_cell_n", config.flight_recorder.per_cell_n);
+  flights.optional("max_mib", config.flight_recorder.max_mib);
   YamlMap http = root.map("http");
   http.optional("endpoint", config.http_endpoint);
   http.optional("expose", config.http_expose);
@@ -123,7 +127,16 @@ Result<void> validate(const ServerConfig& config) {
         "at least 128",
         limit_mib);
   }
-  return validate_range("worker_time_limit_ms", config.worker_time_limit_ms, 100, 3'600'000);
+  if (auto ok = validate_range("worker_time_limit_ms", config.worker_time_limit_ms, 100, 3'600'000);
+      !ok) {
+    return ok;
+  }
+  const FlightRecorderConfig& flights = config.flight_recorder;
+  if (auto ok = validate_range("flight_recorder: per_cell_n", flights.per_cell_n, 1, 100'000);
+      !ok) {
+    return ok;
+  }
+  return validate_range("flight_recorder: max_mib", flights.max_mib, 2, 1'000'000);
 }
 
 std::string to_yaml(const ServerConfig& config) {
@@ -131,13 +144,17 @@ std::string to_yaml(const ServerConfig& config) {
       "data_endpoint: {}\ncontrol_endpoint: {}\ninsecure: {}\nkey_file: {}\nallowed_cells: {}\n"
       "parts: {}\nworkers_n: {}\n"
       "worker_threads_n: {}\nworker_memory_limit_mib: {}\nworker_time_limit_ms: {}\n"
-      "drain_limit_ms: {}\nlog_level: {}\nrecord_failed: {}\nhttp:\n  endpoint: {}\n  expose: {}\n"
+      "drain_limit_ms: {}\nlog_level: {}\n"
+      "flight_recorder:\n  folder: {}\n  keep: {}\n  per_cell_n: {}\n  max_mib: {}\n"
+      "http:\n  endpoint: {}\n  expose: {}\n"
       "perception:\n{}",
       quoted(config.data_endpoint), quoted(config.control_endpoint), config.insecure,
       quoted(config.key_file), quoted(config.allowed_cells), quoted(config.parts), config.workers_n,
       config.worker_threads_n, config.worker_memory_limit_mib, config.worker_time_limit_ms,
-      config.drain_limit_ms, name_of(config.log_level), quoted(config.record_failed),
-      quoted(config.http_endpoint), config.http_expose, parameters_to_yaml(config.perception, 2));
+      config.drain_limit_ms, name_of(config.log_level), quoted(config.flight_recorder.folder),
+      name_of(config.flight_recorder.keep), config.flight_recorder.per_cell_n,
+      config.flight_recorder.max_mib, quoted(config.http_endpoint), config.http_expose,
+      parameters_to_yaml(config.perception, 2));
 }
 
 std::string config_hash(const perception::Parameters& parameters) {

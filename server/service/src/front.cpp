@@ -55,7 +55,7 @@ Front::Impl::Impl(FrontOptions options, WorkerLauncher& launcher)
       started_(Clock::now()),
       metrics_(options_.facts.server, options_.facts.part_ids),
       status_(started_),
-      recorder_(options_.config.record_failed) {
+      flight_recorder_(options_.config.flight_recorder) {
   if (loaded_fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
   if (options_.authentication) know_cells(options_.authentication->allowed);
   const std::string& http_endpoint = options_.config.http_endpoint;

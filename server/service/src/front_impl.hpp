@@ -14,6 +14,7 @@
 
 #include "authenticator.hpp"
 #include "endpoint_lock.hpp"
+#include "flight_recorder.hpp"
 #include "graspd/service/admission.hpp"
 #include "graspd/service/front.hpp"
 #include "graspd/service/metrics.hpp"
@@ -23,7 +24,6 @@
 #include "log_line.hpp"
 #include "messages.hpp"
 #include "poison_list.hpp"
-#include "recorder.hpp"
 #include "status.hpp"
 
 namespace graspd::service {
@@ -53,10 +53,12 @@ class Front::Impl {
     TimePoint arrived;
     TimePoint started;
     TimePoint deadline;
-    const Crew* crew = nullptr;    ///< that it is computed by; null: it waits
-    bool answered = false;         ///< true while running: the deadline came before the result
-    zmq::message_t kept_envelope;  ///< shared with the worker's, to be recorded
+    const Crew* crew = nullptr;  ///< that it is computed by; null: it waits
+    bool answered = false;       ///< true while running: the deadline came before the result
+    /// Where there is a flight recorder, to be kept by it: shared with the worker's.
+    zmq::message_t kept_envelope;
     zmq::message_t kept_payload;
+    std::string flight;  ///< its name, where it is kept
   };
   using Jobs = std::map<Ticket, Job>;
   /// Where something is to be read: each look at a socket or descriptor is a call of the kernel.
@@ -112,7 +114,7 @@ class Front::Impl {
   void refuse(Ticket ticket, Error error, std::uint32_t retry_after_ms = 0);
   void refuse(zmq::socket_t& socket, const std::string& client, Refused refused);
   void answer(zmq::socket_t& socket, const std::string& client, const Answer& answer);
-  void send_to_clients(const Job& job, zmq::message_t envelope);
+  void send_to_clients(const Job& job, zmq::message_t& envelope);
   void send_to_client(zmq::socket_t& socket, const std::string& client, zmq::message_t envelope);
 
   // What is told of it all.
@@ -121,8 +123,9 @@ class Front::Impl {
   std::optional<std::string> why_not_alive() const;
   HealthAnswer health() const;
   HttpPages http_pages();
-  void tell(const Job& job, Code code, WorkReport report);
-  std::filesystem::path record(const Job& job, Code code);
+  void tell(Job& job, Code code, WorkReport report);
+  bool is_to_be_kept(const Job& job, Code code) const;
+  void keep(Job& job, zmq::message_t answer);
 
   template <class... Args>
   void log(LogLevel level, fmt::format_string<Args...> format, Args&&... args) {
@@ -159,7 +162,7 @@ class Front::Impl {
   std::optional<TimePoint> drain_until_;
   Metrics metrics_;
   Status status_;
-  Recorder recorder_;
+  FlightRecorder flight_recorder_;
   std::string last_loss_;       ///< why the last worker ended
   TimePoint memory_looked_at_;  ///< and what was seen then:
   std::uint64_t front_memory_bytes_ = 0;

@@ -51,6 +51,7 @@ HttpPages Front::Impl::http_pages() {
 
 void Front::Impl::observe() {
   const TimePoint now = Clock::now();
+  for (const std::string& notice : flight_recorder_.news()) log(LogLevel::kWarning, "{}", notice);
   if (now - memory_looked_at_ >= kMemoryInterval) {
     memory_looked_at_ = now;
     front_memory_bytes_ = resident_bytes(getpid());
@@ -92,7 +93,7 @@ HealthAnswer Front::Impl::health() const {
 }
 
 /// Metrics and the log's line of a request, at the moment of its one answer.
-void Front::Impl::tell(const Job& job, Code code, WorkReport report) {
+void Front::Impl::tell(Job& job, Code code, WorkReport report) {
   const TimePoint now = Clock::now();
   metrics_.answered(job.plan.cell, code, now - job.arrived);
   if (report.outcome) metrics_.planned(*report.outcome, job.plan.parts, report.timings);
@@ -101,18 +102,28 @@ void Front::Impl::tell(const Job& job, Code code, WorkReport report) {
   end.report = std::move(report);
   end.queued = (job.crew ? job.started : now) - job.arrived;
   end.taken = now - job.arrived;
-  end.recorded = record(job, code);
+  if (is_to_be_kept(job, code)) {
+    job.flight = FlightRecorder::name_of(job.plan.id);
+    end.recorded = flight_recorder_.path_of(job.plan.cell, job.flight);
+  }
   const Crew& crew = job.crew ? *job.crew : *crew_;
   log_json(LogLevel::kInfo, log_line(job.plan, end, crew.facts.server));
 }
 
-std::filesystem::path Front::Impl::record(const Job& job, Code code) {
+/// Only what a worker was given can be computed again.
+bool Front::Impl::is_to_be_kept(const Job& job, Code code) const {
+  if (!flight_recorder_.is_on() || !job.crew || code == Code::kDraining) return false;
   const bool failed = code == Code::kInternal || code == Code::kDeadlineExceeded;
-  if (!failed || !job.crew || !recorder_.is_on()) return {};
-  const auto recorded = recorder_.keep(job.plan.id, job.kept_envelope, job.kept_payload);
-  if (recorded) return *recorded;
-  log(LogLevel::kWarning, "{}", recorded.error().message);
-  return {};
+  const bool all = options_.config.flight_recorder.keep == FlightsKept::kAll;
+  return failed || all || job.plan.record;
+}
+
+/// After the answer has left.
+void Front::Impl::keep(Job& job, zmq::message_t answer) {
+  if (job.flight.empty()) return;
+  flight_recorder_.keep(std::move(job.flight), {job.plan.cell, job.plan.id, job.crew->facts.server,
+                                                std::move(job.kept_envelope),
+                                                std::move(job.kept_payload), std::move(answer)});
 }
 
 }  // namespace graspd::service

@@ -166,10 +166,11 @@ void Front::Impl::conclude(Crew& crew, const std::string& identity, Message mess
   }
   // One that ran out of time has taken at least so long.
   finish(ticket, code == Code::kOk || code == Code::kDeadlineExceeded);
-  const Job& job = jobs_.at(ticket);
+  Job& job = jobs_.at(ticket);
   if (!job.answered) {
-    send_to_clients(job, std::move(message.frames.at(5)));  // first: nobody waits for the log
+    send_to_clients(job, message.frames.at(5));  // first: nobody waits for log and record
     tell(job, code, decode_work_report(message.frames.at(4).to_string_view()));
+    keep(job, std::move(message.frames.at(5)));
   }
   jobs_.erase(ticket);
 }
@@ -206,7 +207,7 @@ void Front::Impl::dispatch() {
 bool Front::Impl::start(Job& job, Ticket ticket, const std::string& identity) {
   const TimePoint now = Clock::now();
   const auto queue_ns = std::chrono::nanoseconds(now - job.arrived).count();
-  if (recorder_.is_on()) {
+  if (flight_recorder_.is_on()) {
     job.kept_envelope.copy(job.plan.envelope);
     job.kept_payload.copy(job.plan.payload);
   }
@@ -238,7 +239,9 @@ void Front::Impl::refuse(Ticket ticket, Error error, std::uint32_t retry_after_m
     reply.code = error.code;
     reply.message = std::move(error.message);
     reply.retry_after_ms = retry_after_ms;
-    send_to_clients(job, frame_of(codec::encode_answer(reply)));
+    zmq::message_t envelope = frame_of(codec::encode_answer(reply));
+    send_to_clients(job, envelope);
+    keep(job, std::move(envelope));
   }
   // A running job stays until its worker is heard of again.
   job.answered = true;
@@ -249,7 +252,7 @@ void Front::Impl::answer(zmq::socket_t& socket, const std::string& client, const
   send_to_client(socket, client, frame_of(codec::encode_answer(reply)));
 }
 
-void Front::Impl::send_to_clients(const Job& job, zmq::message_t envelope) {
+void Front::Impl::send_to_clients(const Job& job, zmq::message_t& envelope) {
   for (const std::string& client : job.clients) {
     zmq::message_t shared;
     shared.copy(envelope);

@@ -98,6 +98,7 @@ Incoming take_in(Message message, const std::set<std::string>& part_ids, Door do
   job.attempt = request->attempt;
   job.cell = std::move(request->cell);
   job.parts = ids_of(call.plan.parts);
+  job.record = call.plan.options.record;
   job.frame = call.frame;
   job.budget = std::chrono::milliseconds(request->budget_ms);
   job.envelope = std::move(message.frames[1]);

@@ -19,6 +19,7 @@ struct PlanJob {
   std::uint32_t attempt = 1;
   std::string cell;
   std::vector<std::string> parts;
+  bool record = false;  ///< the flight recorder is to keep it
   FrameDescription frame;
   std::chrono::milliseconds budget{0};
   /// The same for the same question of the same cell, whatever its id, attempt and budget.

@@ -8,7 +8,12 @@ namespace {
 class RawlogCamera final : public agent::Camera {
  public:
   explicit RawlogCamera(RawlogReader reader) : reader_(std::move(reader)) {}
-  Result<std::optional<DepthFrame>> next() override { return reader_.next(); }
+  Result<std::optional<DepthFrame>> next() override {
+    auto recorded = reader_.next();
+    if (!recorded) return tl::unexpected(recorded.error());
+    if (!*recorded) return std::nullopt;
+    return std::move((*recorded)->frame);
+  }
 
  private:
   RawlogReader reader_;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "graspd/client/dispatcher.hpp"
@@ -57,6 +58,13 @@ class Client {
   std::future<Result<PlanAnswer>> submit(const DepthFrame& frame, const PlanRequest& request,
                                          std::chrono::milliseconds budget,
                                          const RequestId& id = new_request_id());
+
+  /// Asks again what was asked before, to the bit: `plan` would change the last bits of poses.
+  /// Without keys it is asked in the name of the cell that asked it then.
+  /// \param envelope,depth_image a plan request and its image, as they crossed the wire
+  Result<PlanAnswer> ask_again(std::string_view envelope, std::string_view depth_image,
+                               std::chrono::milliseconds budget,
+                               const RequestId& id = new_request_id());
 
   /// Asks every server once.
   std::vector<ServerHealth> health(std::chrono::milliseconds budget = std::chrono::seconds(2));

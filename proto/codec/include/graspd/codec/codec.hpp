@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "graspd/types/envelope.hpp"
+#include "graspd/types/flight.hpp"
 
 /// The one place where plain types become bytes of `graspd.v1` and back. PROTOCOL.md describes the
 /// bytes. Everything that comes in is checked here; what a decoder returns is well-formed.
@@ -49,5 +51,39 @@ Result<DepthFrame> decode_frame(const FrameDescription& description, Bytes paylo
 std::string to_json(const PlanRequest& request, bool indented);
 std::string to_json(const PlanAnswer& answer, bool indented);
 std::string to_json(const HealthAnswer& answer, bool indented);
+/// \returns INVALID_ARGUMENT where the text is not what `to_json` prints of an answer.
+Result<PlanAnswer> plan_answer_from_json(std::string_view json);
+
+// What is asked again, and what an answer is compared with, must be the same to the bit. By way of
+// our types it would not be: a pose is a quaternion on the wire and a matrix there, and its last
+// bits change in between.
+
+/// The plan request of an envelope, in one line.
+/// \returns what `decode_request` refuses it for; INVALID_ARGUMENT where it asks for something
+/// else.
+Result<std::string> plan_request_json(Bytes envelope);
+/// The same of an answer.
+Result<std::string> plan_answer_json(Bytes envelope);
+/// The envelope of a plan request for this frame; its header is to be filled in.
+/// \returns INVALID_ARGUMENT where `decode_request` would refuse it.
+Result<std::string> request_from_json(std::string_view plan_request_json,
+                                      const FrameDescription& frame);
+
+struct RequestHeader {
+  RequestId id{};
+  std::uint32_t attempt = 1;
+  std::string cell;
+  std::uint32_t budget_ms = 0;
+};
+/// The same request under another header.
+Result<std::string> with_header(Bytes envelope, const RequestHeader& header);
+
+inline constexpr std::size_t kMaxFlightRecord_bytes =
+    kMaxRequestEnvelope_bytes + kMaxPayload_bytes + kMaxAnswer_bytes + 4096;
+
+std::string encode_flight(const FlightRecord& record);
+/// What the record holds has been neither cut nor damaged, and is yet to be decoded.
+/// \returns INVALID_ARGUMENT
+Result<FlightRecord> decode_flight(Bytes file);
 
 }  // namespace graspd::codec

@@ -119,6 +119,7 @@ struct PlanOptions {
   std::uint32_t max_grasps_n = 0;  ///< 0: the server's default
   bool explain_rejected = false;   ///< answer the rejected grasps too, with the reason of each
   bool outlines = false;           ///< answer each object's visible outline in pixels
+  bool record = false;             ///< the server's flight recorder keeps it, where there is one
 };
 
 /// What the last plan of this bin said of one object. Comes back so that the server stays

@@ -10,6 +10,16 @@
 
 namespace graspd::service {
 
+enum class FlightsKept { kFailed, kAll };
+
+/// Where the last requests of each cell are kept, and how many.
+struct FlightRecorderConfig {
+  std::filesystem::path folder;  ///< empty: keep nothing; relative to the file that says it
+  FlightsKept keep = FlightsKept::kFailed;
+  std::uint32_t per_cell_n = 100;
+  std::uint32_t max_mib = 1024;  ///< in all
+};
+
 /// What `grasp_server serve` can be told. deploy/server.yaml documents every key.
 struct ServerConfig {
   std::string data_endpoint = "tcp://127.0.0.1:5555";
@@ -24,9 +34,9 @@ struct ServerConfig {
   std::uint32_t worker_time_limit_ms = 30'000;
   std::uint32_t drain_limit_ms = 10'000;
   LogLevel log_level = LogLevel::kInfo;
-  std::filesystem::path record_failed;  ///< empty: keep nothing; relative to the file that says it
-  std::string http_endpoint;            ///< tcp://HOST:PORT; empty: no HTTP
-  bool http_expose = false;             ///< HTTP may listen beyond this machine
+  FlightRecorderConfig flight_recorder;
+  std::string http_endpoint;  ///< tcp://HOST:PORT; empty: no HTTP
+  bool http_expose = false;   ///< HTTP may listen beyond this machine
   perception::Parameters perception;
 };
 
@@ -45,3 +55,11 @@ std::string to_yaml(const ServerConfig& config);
 std::string config_hash(const perception::Parameters& parameters);
 
 }  // namespace graspd::service
+
+template <>
+struct graspd::EnumNames<graspd::service::FlightsKept> {
+  using Kept = service::FlightsKept;
+  static constexpr std::string_view what = "choice of flights to keep";
+  static constexpr std::pair<Kept, std::string_view> values[] = {{Kept::kFailed, "failed"},
+                                                                 {Kept::kAll, "all"}};
+};

@@ -1,5 +1,6 @@
 #include "graspd/recordings/rawlog.hpp"
 
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
 
@@ -10,17 +11,45 @@
 #include "observation.hpp"
 
 namespace graspd {
+namespace {
+
+using mrpt::obs::CObservation3DRangeScan;
+using mrpt::obs::CObservationComment;
+
+// Comments that begin with these are of the frames after them: a request holds until another one
+// comes, an answer is the next frame's. (MRPT writes no label of a comment.)
+constexpr std::string_view kRequest = "graspd request ";
+constexpr std::string_view kAnswer = "graspd answer ";
+
+/// MRPT's sensors look along x, with y to the left and z up.
+Eigen::Isometry3d T_camera_sensor() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  return T;
+}
+
+CObservationComment comment(std::string_view kind, const std::string& text, double stamp_s) {
+  CObservationComment comment;
+  comment.text.append(kind).append(text);
+  comment.timestamp = mrpt::Clock::fromDouble(stamp_s);
+  return comment;
+}
+
+}  // namespace
 
 struct RawlogWriter::Impl {
   explicit Impl(std::filesystem::path file)
       : path(std::move(file)), stream(path, GzipStream::Mode::kWrite) {}
 
   tl::unexpected<Error> fail_writing() const {
-    return invalid("{}: writing failed; is the disk full?", path.string());
+    return fail(Code::kInternal, "{}: writing failed after {} frames; is the disk full?",
+                path.string(), added_n);
   }
 
   std::filesystem::path path;
   GzipStream stream;
+  std::string request;  ///< the last one written
+  std::size_t added_n = 0;
 };
 
 RawlogWriter::RawlogWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -37,15 +66,30 @@ Result<RawlogWriter> RawlogWriter::create(const std::filesystem::path& path) {
   return RawlogWriter(std::move(impl));
 }
 
-Result<void> RawlogWriter::add(const DepthFrame& frame, double stamp_s) {
-  if (const auto valid = validate(frame); !valid) return tl::unexpected(valid.error());
-  auto observation = to_observation(frame);
-  observation.timestamp = mrpt::Clock::fromDouble(stamp_s);
+Result<void> RawlogWriter::add(const RecordedFrame& recorded) {
+  if (const auto valid = validate(recorded.frame); !valid) return tl::unexpected(valid.error());
+  auto observation = to_observation(recorded.frame);
+  observation.timestamp = mrpt::Clock::fromDouble(recorded.stamp_s);
+  if (recorded.T_base_camera) {
+    const Eigen::Isometry3d T_base_sensor = *recorded.T_base_camera * T_camera_sensor();
+    observation.sensorPose =
+        mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(Eigen::Matrix4d(T_base_sensor.matrix())));
+  }
   try {
-    mrpt::serialization::archiveFrom(impl_->stream) << observation;
+    auto archive = mrpt::serialization::archiveFrom(impl_->stream);
+    if (recorded.request != impl_->request) {
+      archive << comment(kRequest, recorded.request, recorded.stamp_s);
+      impl_->request = recorded.request;
+    }
+    if (!recorded.answer.empty()) {
+      archive << comment(kAnswer, recorded.answer, recorded.stamp_s);
+    }
+    archive << observation;
   } catch (const std::exception&) {
     return impl_->fail_writing();
   }
+  if (!impl_->stream.flush()) return impl_->fail_writing();
+  ++impl_->added_n;
   return {};
 }
 
@@ -60,7 +104,9 @@ struct RawlogReader::Impl {
 
   std::filesystem::path path;
   GzipStream stream;
-  std::deque<mrpt::obs::CObservation3DRangeScan::Ptr> waiting;  ///< read, not yet given out
+  std::deque<CObservation3DRangeScan::Ptr> waiting;  ///< read, not yet given out
+  std::string request;                               ///< of the next frame
+  std::string answer;
   std::size_t given_n = 0;
   std::optional<Error> broken;
 
@@ -72,11 +118,14 @@ struct RawlogReader::Impl {
   }
 
   void collect(const mrpt::serialization::CSerializable::Ptr& object) {
-    using mrpt::obs::CObservation3DRangeScan;
     if (const auto scan = std::dynamic_pointer_cast<CObservation3DRangeScan>(object)) {
       waiting.push_back(scan);
     } else if (const auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object)) {
       for (const auto& observation : *frame) collect(observation);
+    } else if (const auto text = std::dynamic_pointer_cast<CObservationComment>(object)) {
+      const std::string_view all = text->text;
+      if (all.starts_with(kRequest)) request = all.substr(kRequest.size());
+      if (all.starts_with(kAnswer)) answer = all.substr(kAnswer.size());
     }
   }
 };
@@ -98,7 +147,7 @@ Result<RawlogReader> RawlogReader::open(const std::filesystem::path& path) {
   return RawlogReader(std::move(impl));
 }
 
-Result<std::optional<DepthFrame>> RawlogReader::next() {
+Result<std::optional<RecordedFrame>> RawlogReader::next() {
   if (impl_->broken) return tl::unexpected(*impl_->broken);
   auto archive = mrpt::serialization::archiveFrom(impl_->stream);
   while (impl_->waiting.empty()) {
@@ -110,11 +159,20 @@ Result<std::optional<DepthFrame>> RawlogReader::next() {
       return impl_->fail_here("the file is cut short or damaged; record it again");
     }
   }
-  auto frame = to_frame(*impl_->waiting.front());
+  const CObservation3DRangeScan::Ptr scan = impl_->waiting.front();
   impl_->waiting.pop_front();
+  auto frame = to_frame(*scan);
   if (!frame) return impl_->fail_here(frame.error().message);
   ++impl_->given_n;
-  return std::move(*frame);
+  RecordedFrame recorded{*std::move(frame), mrpt::Clock::toDouble(scan->timestamp)};
+  const Eigen::Matrix4d T_base_sensor =
+      scan->sensorPose.getHomogeneousMatrixVal<mrpt::math::CMatrixDouble44>().asEigen();
+  if (!T_base_sensor.isIdentity(0)) {
+    recorded.T_base_camera = Eigen::Isometry3d(T_base_sensor) * T_camera_sensor().inverse();
+  }
+  recorded.request = impl_->request;
+  recorded.answer = std::exchange(impl_->answer, {});
+  return recorded;
 }
 
 }  // namespace graspd

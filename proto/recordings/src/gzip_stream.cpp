@@ -19,6 +19,11 @@ unsigned clamp_to_unsigned(size_t count) {
 GzipStream::GzipStream(const std::filesystem::path& path, Mode mode)
     : path_(path), file_(gzopen(path.c_str(), mode == Mode::kRead ? "rb" : kWriteMode)) {}
 
+bool GzipStream::flush() {
+  if (gzflush(file_, Z_SYNC_FLUSH) != Z_OK) good_ = false;
+  return good_;
+}
+
 bool GzipStream::close() {
   if (file_ == nullptr) return good_;
   if (gzclose(file_) != Z_OK) good_ = false;

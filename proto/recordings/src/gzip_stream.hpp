@@ -21,6 +21,9 @@ class GzipStream : public mrpt::io::CStream {
   bool is_open() const { return file_ != nullptr; }
   /// All is well so far: what has been read was as it was written, and what ended had an end.
   bool good() const { return good_; }
+  /// What has been written so far can be read, whatever becomes of this process.
+  /// \returns whether it has reached the file.
+  bool flush();
   /// \returns whether all bytes have reached the file.
   bool close();
 

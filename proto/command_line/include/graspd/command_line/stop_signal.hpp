@@ -1,0 +1,9 @@
+#pragma once
+
+namespace graspd {
+
+/// From now on SIGINT and SIGTERM ask the program to stop, instead of ending it.
+void listen_for_stop();
+bool asked_to_stop();
+
+}  // namespace graspd
