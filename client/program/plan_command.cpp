@@ -34,7 +34,7 @@ struct PlanArguments {
   int budget_ms = 10'000;
 };
 
-struct Question {
+struct AskedFrame {
   DepthFrame frame;
   PlanRequest request;
 };
@@ -45,7 +45,7 @@ E choice(const std::string& name) {
   return parse_enum<E>(name).value_or(E::kServerDefault);
 }
 
-Result<Question> read_question(const PlanArguments& arguments) {
+Result<AskedFrame> read_question(const PlanArguments& arguments) {
   auto cell_request = read_cell_request(arguments.request);
   if (!cell_request) return tl::unexpected(cell_request.error());
   auto image = read_png16(arguments.depth);
@@ -56,9 +56,9 @@ Result<Question> read_question(const PlanArguments& arguments) {
                    image->width_px, image->height_px, arguments.request.camera, camera.width_px,
                    camera.height_px);
   }
-  Question question;
-  question.frame = {camera, cell_request->depth_scale_m, std::move(image->values)};
-  PlanRequest& request = question.request;
+  AskedFrame asked;
+  asked.frame = {camera, cell_request->depth_scale_m, std::move(image->values)};
+  PlanRequest& request = asked.request;
   request = std::move(cell_request->request);
   request.options.segmentation = choice<Segmentation>(arguments.segmentation);
   request.options.registration = choice<Registration>(arguments.registration);
@@ -70,12 +70,12 @@ Result<Question> read_question(const PlanArguments& arguments) {
   request.options.explain_rejected = arguments.explain;
   request.options.outlines = !arguments.overlay.empty();
   request.options.record = arguments.record;
-  return question;
+  return asked;
 }
 
 Result<int> plan(const PlanArguments& arguments) {
-  const auto question = read_question(arguments);
-  if (!question) return tl::unexpected(question.error());
+  const auto asked = read_question(arguments);
+  if (!asked) return tl::unexpected(asked.error());
   auto options = client_options(arguments.servers);
   if (!options) return tl::unexpected(options.error());
   if (!arguments.cell_name.empty()) options->cell = arguments.cell_name;
@@ -83,14 +83,14 @@ Result<int> plan(const PlanArguments& arguments) {
   client::Client client(arguments.servers.servers, *std::move(options));
 
   const auto start = std::chrono::steady_clock::now();
-  const auto answer = client.plan(question->frame, question->request,
-                                  std::chrono::milliseconds(arguments.budget_ms));
+  const auto answer =
+      client.plan(asked->frame, asked->request, std::chrono::milliseconds(arguments.budget_ms));
   const auto round_trip = std::chrono::steady_clock::now() - start;
   if (!answer) return tl::unexpected(answer.error());
 
   print_plan(*answer, arguments.json, round_trip);
   if (!arguments.overlay.empty()) {
-    const overlay::RgbImage picture = overlay::draw(question->frame, question->request, *answer);
+    const overlay::RgbImage picture = overlay::draw(asked->frame, asked->request, *answer);
     if (auto ok = overlay::write_png(arguments.overlay, picture); !ok) {
       return tl::unexpected(ok.error());
     }
