@@ -78,7 +78,8 @@ TEST_F(RecordedFiles, FlightsComeInTheOrderOfTheirTimeWhateverTheirCell) {
 TEST_F(RecordedFiles, AFlightSaysWhatWasAskedAndAnswered) {
   const PlanRequest request = example_request({"tee"});
   const auto file = folder_.write(
-      "x.flight", bytes_of(flight("cell", request, {.code = Code::kBusy, .message = "later"})));
+      "x.flight",
+      bytes_of(flight("cell", request, {.code = Code::kBusy, .message = "later", .body = {}})));
   const auto question = (*open_questions(file))->next();
   ASSERT_TRUE(question && *question);
   EXPECT_EQ((*question)->asked.cell, "cell");
@@ -114,7 +115,7 @@ TEST_F(RecordedFiles, ARawlogSaysWhatWasAskedWithEachFrameToTheBit) {
   ASSERT_TRUE(first && *first && second && *second);
   const auto frame = codec::encode_frame(example_frame(), DepthEncoding::kRaw);
   const std::string envelope =
-      codec::encode_request({.call = PlanCall{frame.description, request}});
+      codec::encode_request({.cell = "", .call = PlanCall{frame.description, request}});
   EXPECT_EQ((*first)->asked.request, envelope);
   EXPECT_EQ((*second)->asked.request, envelope);
   EXPECT_EQ((*second)->asked.stamp_s, 2.5);

@@ -92,7 +92,7 @@ TEST(DepthGrid, WhatIsClaimedHidesAndRefutesNothing) {
   };
   EXPECT_EQ(counts_at(cell, z_m).support_n, 1);
   EXPECT_EQ(counts_at(cell + 1, z_m - 0.1F).refute_n, 1);
-  grid.claim({cell});
+  grid.claim({static_cast<std::uint32_t>(cell)});
   EXPECT_FALSE(grid.is_open(cell));
   EXPECT_EQ(counts_at(cell, z_m).support_n, 0);
   EXPECT_EQ(counts_at(cell, z_m).hidden_n, 1);

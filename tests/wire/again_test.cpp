@@ -22,7 +22,7 @@ TEST(Again, ARequestComesBackFromItsJsonToTheBit) {
   for (int i = 0; i < 100; ++i) {
     const auto frame = codec::encode_frame(random.any_depth_frame(), DepthEncoding::kRaw);
     const std::string first =
-        codec::encode_request({.call = PlanCall{frame.description, random.any_plan()}});
+        codec::encode_request({.cell = "", .call = PlanCall{frame.description, random.any_plan()}});
     const auto json = codec::plan_request_json(as_bytes(first));
     ASSERT_TRUE(json) << json.error().message;
     const auto again = codec::request_from_json(*json, frame.description);
@@ -78,7 +78,7 @@ TEST(Again, AnAnswersBytesAndTheirJsonAreReadAlikeToTheBit) {
 TEST(Again, WhatIsNoAnswerOrNoRequestIsNamed) {
   EXPECT_THAT(codec::plan_answer_from_json("{").error().message, HasSubstr("graspd.v1.PlanAnswer"));
   EXPECT_THAT(codec::plan_answer_from_json("{}").error().message, HasSubstr("outcome"));
-  const std::string health = codec::encode_request({.call = HealthCall{}});
+  const std::string health = codec::encode_request({.cell = "", .call = HealthCall{}});
   EXPECT_THAT(codec::plan_request_json(as_bytes(health)).error().message, HasSubstr("no plan"));
   RandomMessages random(14);
   const auto frame = codec::encode_frame(random.any_depth_frame(), DepthEncoding::kRaw);
@@ -92,13 +92,13 @@ class FlightFile : public ::testing::Test {
   static FlightRecord flight() {
     RandomMessages random(15);
     const auto frame = codec::encode_frame(random.any_depth_frame(), DepthEncoding::kRvl);
-    return {
-        .cell = "tees",
-        .stamp_s = 1.7e9 + 0.123456,
-        .server = {"build", "catalogue", "config"},
-        .request = codec::encode_request({.call = PlanCall{frame.description, random.any_plan()}}),
-        .depth_image = image_of(frame),
-        .answer = codec::encode_answer(random.plan_answer())};
+    return {.cell = "tees",
+            .stamp_s = 1.7e9 + 0.123456,
+            .server = {"build", "catalogue", "config"},
+            .request = codec::encode_request(
+                {.cell = "", .call = PlanCall{frame.description, random.any_plan()}}),
+            .depth_image = image_of(frame),
+            .answer = codec::encode_answer(random.plan_answer())};
   }
 };
 

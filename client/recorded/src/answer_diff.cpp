@@ -128,7 +128,7 @@ void compare_outlines(const PlanAnswer& before, const PlanAnswer& now, Compariso
 std::string content_of(PlanAnswer answer) {
   answer.timings.clear();
   answer.server = {};
-  return codec::encode_answer({.body = std::move(answer)});
+  return codec::encode_answer({.message = "", .body = std::move(answer)});
 }
 
 }  // namespace

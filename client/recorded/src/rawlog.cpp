@@ -65,7 +65,7 @@ class Rawlog final : public Questions {
             "one's calibration",
             text_of(frame.camera), text_of(ask_with_->camera));
       }
-      return codec::encode_request({.call = PlanCall{frame, ask_with_->request}});
+      return codec::encode_request({.cell = "", .call = PlanCall{frame, ask_with_->request}});
     }
     if (recorded.request.empty()) {
       return invalid(
