@@ -17,10 +17,8 @@
 namespace graspd::program {
 namespace {
 
-using recorded::Answered;
 using recorded::AnswersReader;
 using recorded::AnswersWriter;
-using recorded::Question;
 using recorded::Questions;
 
 struct ReplayArguments {

@@ -64,7 +64,7 @@ Result<void> record(const RecordArguments& arguments) {
   // What is there stays, whatever ended it.
   const auto finished = rawlog->finish();
   if (!recorded) return tl::unexpected(recorded.error());
-  if (!finished) return finished;
+  if (!finished) return tl::unexpected(finished.error());
   fmt::print("{}: {} frame{}, {:.1f} MB\n", arguments.output.string(), *recorded,
              *recorded == 1 ? "" : "s",
              static_cast<double>(std::filesystem::file_size(arguments.output)) / 1e6);

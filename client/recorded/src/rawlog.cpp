@@ -29,7 +29,7 @@ class Rawlog final : public Questions {
     auto recorded = reader_.next();
     if (!recorded) return tl::unexpected(recorded.error());
     if (!*recorded) return std::nullopt;
-    auto question = question_of(std::move(**recorded));
+    auto question = question_of(**recorded);
     if (!question) {
       return invalid("{}: frame {}: {}", path_.string(), given_n_, question.error().message);
     }
@@ -38,7 +38,7 @@ class Rawlog final : public Questions {
   }
 
  private:
-  Result<Question> question_of(RecordedFrame recorded) const {
+  Result<Question> question_of(const RecordedFrame& recorded) const {
     const auto encoded = codec::encode_frame(recorded.frame, DepthEncoding::kRaw);
     auto envelope = envelope_of(recorded, encoded.description);
     if (!envelope) return tl::unexpected(envelope.error());

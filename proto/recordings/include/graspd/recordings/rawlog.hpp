@@ -16,10 +16,13 @@ namespace graspd {
 
 struct RecordedFrame {
   DepthFrame frame;
-  double stamp_s = 0;                                ///< since 1970
+  double stamp_s = 0;  ///< since 1970
+  // Without {}, compilers warn of initialisers that leave out what was not recorded.
+  // NOLINTBEGIN(readability-redundant-member-init)
   std::optional<Eigen::Isometry3d> T_base_camera{};  ///< for viewers; the request has it to the bit
   std::string request{};                             ///< a PlanRequest as JSON; empty: not recorded
   std::string answer{};                              ///< a PlanAnswer as JSON; empty: not recorded
+  // NOLINTEND(readability-redundant-member-init)
 };
 
 class RawlogWriter {
