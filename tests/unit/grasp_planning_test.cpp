@@ -10,7 +10,6 @@ namespace graspd::perception {
 namespace {
 
 using Eigen::Vector3d;
-using testing::bar;
 using testing::bar_at;
 using ::testing::HasSubstr;
 

@@ -16,7 +16,6 @@ namespace fs = std::filesystem;
 using graspd::testing::TemporaryFolder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 class FlightFolderTest : public ::testing::Test {
  protected:
