@@ -2,8 +2,8 @@
 #define HWY_TARGET_INCLUDE "template_kernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, as Highway wants it.
-#include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
+#include <hwy/highway.h>
 
 #include <algorithm>
 #include <bit>
