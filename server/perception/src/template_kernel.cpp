@@ -11,33 +11,6 @@
 
 #include "graspd/perception/template_kernel.hpp"
 
-#ifndef GRASPD_TEMPLATE_KERNEL_BEST
-#define GRASPD_TEMPLATE_KERNEL_BEST
-namespace graspd::perception {
-
-inline bool is_better(const TemplateMatch& a, const TemplateMatch& b) {
-  if (a.score != b.score) return a.score > b.score;
-  return a.index != b.index ? a.index < b.index : a.turn < b.turn;
-}
-
-inline auto end_of(TemplateMatches& matches) {
-  return matches.kept.begin() + static_cast<std::ptrdiff_t>(matches.kept_n);
-}
-
-/// Drops all but the best. \returns the score of the worst that is left.
-inline float keep_best(std::size_t most_n, TemplateMatches& matches) {
-  if (matches.kept_n > most_n) {
-    const auto last = matches.kept.begin() + static_cast<std::ptrdiff_t>(most_n) - 1;
-    std::nth_element(matches.kept.begin(), last, end_of(matches), is_better);
-    matches.kept_n = most_n;
-    return last->score;
-  }
-  return 0;
-}
-
-}  // namespace graspd::perception
-#endif
-
 HWY_BEFORE_NAMESPACE();
 namespace graspd::perception::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -96,6 +69,7 @@ TemplateMatch* compare(const PoseTemplates& templates, std::uint32_t index,
   const std::int8_t* depths =
       templates.depths.data() + PoseTemplates::kSamples * std::size_t{index};
   for (std::uint32_t k = 0; k < turns_n; ++k) {
+    // The first may lie below 0, which wraps as well: kTurns divides 2^32.
     const std::uint32_t turn = (first_turn + k) % PoseTemplates::kTurns;
     const auto first = static_cast<int>(PoseTemplates::kRings * turn);
     std::uint64_t behind = 0;
@@ -137,7 +111,7 @@ void match_templates(const PoseTemplates& templates, const SampledReading& readi
                 limits, matches.kept.data() + matches.kept_n);
     matches.compared_n += turns_n;
     matches.kept_n = static_cast<std::size_t>(end - matches.kept.data());
-    if (matches.kept_n > enough) limits.min_score = keep_best(limits.most_n, matches);
+    if (matches.kept_n > enough) limits.min_score = matches.keep_best(limits.most_n);
   }
 }
 
@@ -146,12 +120,35 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace graspd::perception {
+namespace {
+
+bool is_better(const TemplateMatch& a, const TemplateMatch& b) {
+  if (a.score != b.score) return a.score > b.score;
+  return a.index != b.index ? a.index < b.index : a.turn < b.turn;
+}
+
+auto at(TemplateMatches& matches, std::size_t i) {
+  return matches.kept.begin() + static_cast<std::ptrdiff_t>(i);
+}
+
+}  // namespace
+
+float TemplateMatches::keep_best(std::size_t most_n) {
+  if (kept_n <= most_n) return 0;
+  const auto worst = at(*this, most_n - 1);
+  std::nth_element(kept.begin(), worst, at(*this, kept_n), is_better);
+  kept_n = most_n;
+  return worst->score;
+}
+
+void TemplateMatches::sort_best_first() { std::sort(kept.begin(), at(*this, kept_n), is_better); }
+
 HWY_EXPORT(match_templates);
 void match_templates(const parts::PoseTemplates& templates, const SampledReading& reading,
                      const TemplateLimits& limits, TemplateMatches& matches) {
   HWY_DYNAMIC_DISPATCH(match_templates)(templates, reading, limits, matches);
-  keep_best(limits.most_n, matches);
-  std::sort(matches.kept.begin(), end_of(matches), is_better);
+  matches.keep_best(limits.most_n);
+  matches.sort_best_first();
 }
 }  // namespace graspd::perception
 #endif

@@ -28,7 +28,7 @@ struct TemplateLimits {
   /// Without them as many parts are found on tuning frames.
   int min_support_n = 8;
   float min_score = 0.5F;
-  std::size_t most_n = 32;  ///< matches that are wanted
+  std::size_t most_n = 0;  ///< matches that are wanted
 };
 
 struct TemplateMatch {
@@ -43,6 +43,11 @@ struct TemplateMatches {
   std::size_t kept_n = 0;
   std::vector<TemplateMatch> kept;                ///< the leading `kept_n`: the best, best first
   std::vector<std::int32_t> first_turn, turns_n;  ///< of each template; working memory
+
+  /// Drops all but the best; they are not sorted.
+  /// \returns the score of the worst that is left, or 0 where there were no more.
+  float keep_best(std::size_t most_n);
+  void sort_best_first();
 };
 
 /// Compares with every template in every turn in which its anchor's normal agrees.
