@@ -39,6 +39,12 @@ class ThreeBlocks : public ::testing::Test {
     return nearest_m;
   }
 
+  Explanation explain_all(std::vector<PoseHypothesis> poses) {
+    Explanation explanation;
+    explain(grid_, verifier_, scene_, std::move(poses), parameters_, never_late, explanation);
+    return explanation;
+  }
+
   RegistrationParameters parameters_;
   std::vector<testing::Block> blocks_;
   DepthGrid grid_;
@@ -69,8 +75,7 @@ TEST_F(ThreeBlocks, AreFoundWhateverTheNumberOfThreads) {
 TEST_F(ThreeBlocks, AreExplainedOnceEach) {
   auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
   EXPECT_GT(found.poses.size(), 3U);
-  const auto explained =
-      explain(grid_, verifier_, scene_, std::move(found.poses), parameters_).parts;
+  const auto explained = explain_all(std::move(found.poses)).parts;
   ASSERT_EQ(explained.size(), 3U);
   std::vector<bool> is_claimed(grid_.size(), false);
   for (const ExplainedPart& part : explained) {
@@ -83,13 +88,19 @@ TEST_F(ThreeBlocks, AreExplainedOnceEach) {
   }
 }
 
+TEST_F(ThreeBlocks, AreNotFoundAgainInTheSameImage) {
+  const auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
+  Explanation explanation = explain_all(found.poses);
+  explain(grid_, verifier_, scene_, found.poses, parameters_, never_late, explanation);
+  EXPECT_EQ(explanation.parts.size(), 3U);
+}
+
 TEST_F(ThreeBlocks, NoneIsExplainedBelowTheFloor) {
   auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
   scene_.has_floor = true;  // 0.1 m too high, z up
   scene_.T_camera_floor.translation() = Vector3d(0, 0, kFloor_m - 0.1);
   scene_.T_camera_floor.linear() = Vector3d(1, -1, -1).asDiagonal();
-  const auto [explained, refusal] =
-      explain(grid_, verifier_, scene_, std::move(found.poses), parameters_);
+  const auto [explained, refusal] = explain_all(std::move(found.poses));
   EXPECT_TRUE(explained.empty());
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->parameter, "max_below_floor_m");
@@ -100,8 +111,7 @@ TEST_F(ThreeBlocks, ASlabOfManyBlocksIsNone) {
   grid_ = testing::grid_of(
       {{Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.70)), Vector3d(0.3, 0.25, 0.03)}}, kFloor_m);
   auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
-  const auto [explained, refusal] =
-      explain(grid_, verifier_, scene_, std::move(found.poses), parameters_);
+  const auto [explained, refusal] = explain_all(std::move(found.poses));
   EXPECT_TRUE(explained.empty());
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->parameter, "max_leftover_share");

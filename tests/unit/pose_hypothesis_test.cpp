@@ -56,6 +56,20 @@ TEST_F(OneBlock, RefutesAPoseInTheAirAndHidesOneBelowTheSurface) {
   EXPECT_LT(below.score, 0.15);
 }
 
+TEST_F(OneBlock, IsTheLessProbableTheFartherOffItIs) {
+  EXPECT_FALSE(verifier_.score_finally(truth_));
+  EXPECT_GT(truth_.confidence, 0.8F);
+  float nearer = truth_.confidence;
+  for (const float off_m : {0.003F, 0.006F, 0.012F}) {
+    PoseHypothesis off = truth_;
+    off.t_m.x() += off_m;
+    verifier_.score_finally(off);
+    EXPECT_LT(off.confidence, nearer) << off_m << " m";
+    nearer = off.confidence;
+  }
+  EXPECT_LT(nearer, parameters_.min_confidence);
+}
+
 TEST_F(OneBlock, StopsEarlyOnABadStart) {
   PoseHypothesis above = truth_;
   above.t_m.z() -= 0.02F;

@@ -14,8 +14,11 @@ constexpr double kClaimTolerance_m = 0.01;
 constexpr double kSamePartShare = 0.2;
 /// A rough pose is refined where it is among so many best at some share of its readings. More of
 /// them found hardly more parts.
-constexpr int kRivals = 3;
+constexpr int kRivals = 2;
 constexpr double kRivalShare = 0.2;
+
+/// What a candidate's area counts at least, however improbable its pose is.
+constexpr float kImprobableWeight = 0.5F;
 
 /// How far the pose reaches through the floor: its vertices, so that no sample between them is
 /// needed.
@@ -97,6 +100,11 @@ void refine_alone(const PoseVerifier& verifier, const Scene& scene,
   std::erase_if(poses, [](const PoseHypothesis& pose) { return pose.score <= 0; });
 }
 
+/// No other part's barycentre can be nearer.
+float reach_m(const PoseVerifier& verifier, const PoseHypothesis& pose) {
+  return static_cast<float>(kSamePartShare * verifier.part(pose).diameter_m);
+}
+
 std::vector<std::uint32_t> choose(const DepthGrid& grid, const PoseVerifier& verifier,
                                   const RegistrationParameters& parameters,
                                   const std::vector<PoseHypothesis>& poses) {
@@ -106,35 +114,39 @@ std::vector<std::uint32_t> choose(const DepthGrid& grid, const PoseVerifier& ver
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const PoseHypothesis& pose = poses[i];
     const float pixel_m = pose.t_m.z() / grid.fx_px;
-    const auto reach_m = static_cast<float>(kSamePartShare * verifier.part(pose).diameter_m);
-    candidates.push_back({verifier.barycentre_m(pose), reach_m, verifier.explained_area_m2(pose),
-                          pixel_m * pixel_m, supporting.of(i)});
+    const float weight = kImprobableWeight + (1 - kImprobableWeight) * pose.confidence;
+    candidates.push_back({verifier.barycentre_m(pose), reach_m(verifier, pose),
+                          weight * verifier.explained_area_m2(pose), pixel_m * pixel_m,
+                          supporting.of(i)});
   }
   return choose_explanation(candidates, grid.size());
 }
 
 }  // namespace
 
-Explanation explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
-                    std::vector<PoseHypothesis> poses, const RegistrationParameters& parameters,
-                    const IsLate& is_late) {
+void explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
+             std::vector<PoseHypothesis> poses, const RegistrationParameters& parameters,
+             const IsLate& is_late, Explanation& explanation) {
   NearestMiss nearest_miss;
   keep_promising(grid, verifier, parameters, poses);
   refine_alone(verifier, scene, parameters, poses, nearest_miss);
   sort_by_area(verifier, poses);
 
   // Once more, each among the others: what one claims hides what lies behind it.
-  std::vector<ExplainedPart> accepted;
   for (const std::uint32_t i : choose(grid, verifier, parameters, poses)) {
     if (is_late()) break;
     PoseHypothesis& pose = poses[i];
     const auto refusal = verifier.refine(pose);
     nearest_miss.add(pose.fit, refusal);
-    if (refusal) continue;
-    accepted.push_back({pose, verifier.explained_cells(pose, kClaimTolerance_m)});
-    grid.claim(accepted.back().cells);
+    const auto is_there_already = [&](const ExplainedPart& other) {
+      return (verifier.barycentre_m(pose) - verifier.barycentre_m(other.pose)).norm() <
+             std::min(reach_m(verifier, pose), reach_m(verifier, other.pose));
+    };
+    if (refusal || std::ranges::any_of(explanation.parts, is_there_already)) continue;
+    explanation.parts.push_back({pose, verifier.explained_cells(pose, kClaimTolerance_m)});
+    grid.claim(explanation.parts.back().cells);
   }
-  return {std::move(accepted), nearest_miss.refusal()};
+  if (!explanation.refusal) explanation.refusal = nearest_miss.refusal();
 }
 
 }  // namespace graspd::perception

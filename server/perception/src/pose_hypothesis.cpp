@@ -24,6 +24,16 @@ constexpr float kSmallError2 = 4;
 constexpr float kAgreeingCosine = 0.9F;
 constexpr float kOpposingCosine = 0.5F;
 
+/// Log odds that a pose is right: logistic regression on 12,080 refined poses of 108 simulated
+/// tuning frames, of our six parts at 0.7 and 0.9 m. Fitted on five parts, the sixth's poses were
+/// in the right order with AUC 0.94; the score alone reaches 0.90.
+struct LogOdds {
+  float at_zero, fit, refuted, log_support, leftover;
+};
+constexpr LogOdds kOdds{-19.14F, 4.40F, -104.3F, 3.017F, -5.375F};
+/// Nothing was fitted to fewer: small parts are not punished for being small.
+constexpr std::int32_t kFewestThatCount = 200;
+
 KernelPose for_kernel(const PoseHypothesis& pose) {
   KernelPose result{};
   for (int i = 0; i < 3; ++i) {
@@ -75,7 +85,7 @@ Evidence evidence_of(const PoseHypothesis& pose) {
   evidence.inlier_fraction = counts.support_n / compared;
   evidence.rms_m = std::sqrt(counts.error2_sum / std::max(1.0, double(counts.support_n))) *
                    static_cast<double>(PackedDepth::kUnit_m);
-  evidence.score = std::clamp(static_cast<double>(pose.score), 0.0, 1.0);
+  evidence.score = static_cast<double>(pose.confidence);
   return evidence;
 }
 
@@ -121,13 +131,15 @@ std::optional<Refusal> PoseVerifier::score_finally(PoseHypothesis& pose) const {
       {static_cast<float>(parameters_.inlier_tolerance_m), kSmallError2, kNormalWeight,
        kAgreeingCosine, kOpposingCosine});
   set_score(pose, support);
+  const float leftover = leftover_share(pose);
+  pose.confidence = confidence(pose, leftover);
   pose.fit = fit;
-  const auto refused = refusal(pose);
+  const auto refused = refusal(pose, leftover);
   if (refused) pose.score = 0;
   return refused;
 }
 
-std::optional<Refusal> PoseVerifier::refusal(const PoseHypothesis& pose) const {
+std::optional<Refusal> PoseVerifier::refusal(const PoseHypothesis& pose, float leftover) const {
   const auto by = [&](std::string_view parameter, double limit, double value) {
     return Refusal{&part(pose), parameter, limit, value};
   };
@@ -148,11 +160,22 @@ std::optional<Refusal> PoseVerifier::refusal(const PoseHypothesis& pose) const {
   if (unhidden_share < parameters_.min_unhidden_share) {
     return by("min_unhidden_share", parameters_.min_unhidden_share, unhidden_share);
   }
-  const float leftover = leftover_share(pose);
   if (leftover > static_cast<float>(parameters_.max_leftover_share)) {
     return by("max_leftover_share", parameters_.max_leftover_share, leftover);
   }
+  if (pose.confidence < static_cast<float>(parameters_.min_confidence)) {
+    return by("min_confidence", parameters_.min_confidence, pose.confidence);
+  }
   return std::nullopt;
+}
+
+float PoseVerifier::confidence(const PoseHypothesis& pose, float leftover) const {
+  const PoseCounts& counts = pose.counts;
+  const float refuted =
+      static_cast<float>(counts.refute_n) / static_cast<float>(std::max(1, counts.tested_n));
+  const auto support = static_cast<float>(std::max(kFewestThatCount, counts.support_n));
+  return 1 / (1 + std::exp(-(kOdds.at_zero + kOdds.fit * pose.fit + kOdds.refuted * refuted +
+                             kOdds.log_support * std::log(support) + kOdds.leftover * leftover)));
 }
 
 float PoseVerifier::leftover_share(const PoseHypothesis& pose) const {

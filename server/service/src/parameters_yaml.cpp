@@ -63,7 +63,8 @@ void visit(perception::RegistrationParameters& p, Visitor& section) {
          max_below_floor_m, feature_radius_m, sac_iterations_n, ndt_resolution_m, seed_spacing_m,
          normal_tolerance_rad, templates_per_seed_n, hypotheses_per_seed_n, coarse_tolerance_m,
          min_coarse_score, coarse_per_place_n, fine_per_place_n, refuted_weight, max_leftover_share,
-         min_visible_share, min_unhidden_share, min_verified_score, min_explained_px] = p;
+         min_visible_share, min_unhidden_share, min_verified_score, min_explained_px,
+         min_confidence] = p;
   section.choice("method", method);
   section.number("icp_iterations_n", icp_iterations_n, 1, 10'000);
   section.number("icp_max_distance_m", icp_max_distance_m, 1e-4, 1);
@@ -87,6 +88,7 @@ void visit(perception::RegistrationParameters& p, Visitor& section) {
   section.number("min_unhidden_share", min_unhidden_share, 0, 1);
   section.number("min_verified_score", min_verified_score, 0, 1);
   section.number("min_explained_px", min_explained_px, 0, 1e6);
+  section.number("min_confidence", min_confidence, 0, 1);
 }
 
 template <class Visitor>

@@ -24,9 +24,10 @@ struct Explanation {
 /// were alone; of those that the image allows, the set is chosen that explains most; its members
 /// are refined once more, each among the others: what one claims speaks for no other.
 /// \param grid the image; accepted parts claim their cells in it. \param verifier of that grid.
-/// \param poses roughly placed and scored.
-Explanation explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
-                    std::vector<PoseHypothesis> poses, const RegistrationParameters& parameters,
-                    const IsLate& is_late = never_late);
+/// \param poses roughly placed and scored. \param explanation these parts are added to; none is
+/// where one of it is already.
+void explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
+             std::vector<PoseHypothesis> poses, const RegistrationParameters& parameters,
+             const IsLate& is_late, Explanation& explanation);
 
 }  // namespace graspd::perception

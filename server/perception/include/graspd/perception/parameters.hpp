@@ -61,8 +61,8 @@ struct RegistrationParameters {
   double ndt_resolution_m = 0.02;
   double seed_spacing_m = 0.01;       ///< between the readings that hypotheses start from
   double normal_tolerance_rad = 0.5;  ///< of a reading's normal to a template's
-  int templates_per_seed_n = 32;      ///< of each part, compared with the image at more points
-  int hypotheses_per_seed_n = 4;      ///< of these, placed by ICP
+  int templates_per_seed_n = 16;      ///< of each part, compared with the image at more points
+  int hypotheses_per_seed_n = 3;      ///< of these, placed by ICP
   double coarse_tolerance_m = 0.01;   ///< before a hypothesis has been refined
   double min_coarse_score = 0.2;
   int coarse_per_place_n = 8;  ///< hypotheses with nearly the same barycentre
@@ -73,6 +73,7 @@ struct RegistrationParameters {
   double min_unhidden_share = 0.5;   ///< likewise, of those that nothing in front of them hides
   double min_verified_score = 0.35;  ///< of what the view shows: explained less refuted
   double min_explained_px = 40;
+  double min_confidence = 0.1;  ///< that the pose is right, see PoseHypothesis
 };
 
 /// Weights of GRS(i) = (α·P_self + β·P_grasp)·P_system and of its terms.

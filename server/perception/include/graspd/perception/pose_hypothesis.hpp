@@ -28,6 +28,9 @@ struct PoseHypothesis {
   float score = 0;
   /// The same share of what this view shows, so that a view of little is not judged by that.
   float fit = 0;
+  /// How probable it is that the pose is right (MSSD below a tenth of the diameter), as far as the
+  /// image tells. Only `score_finally` sets it.
+  float confidence = 0;
   PoseCounts counts;
 
   Eigen::Vector3f in_camera(const Eigen::Vector3f& p_part_m) const { return R * p_part_m + t_m; }
@@ -35,7 +38,7 @@ struct PoseHypothesis {
   static PoseHypothesis of(const Eigen::Isometry3d& T_camera_part, std::uint32_t part = 0);
 };
 
-/// What its counts and its score say.
+/// What its counts say, and its confidence as score.
 Evidence evidence_of(const PoseHypothesis& pose);
 
 /// Cells that were met already; clearing costs nothing.
@@ -116,7 +119,9 @@ class PoseVerifier {
   std::size_t open_cells(const PoseHypothesis& pose, double tolerance_m,
                          std::span<const std::int32_t> offsets, CellMarks& marks,
                          std::uint32_t* cells) const;
-  std::optional<Refusal> refusal(const PoseHypothesis& pose) const;
+  std::optional<Refusal> refusal(const PoseHypothesis& pose, float leftover) const;
+  /// \param pose with the counts of all points and with the fit of `weigh_support`.
+  float confidence(const PoseHypothesis& pose, float leftover) const;
   /// \param support of the points within tolerance, each by its weight.
   void set_score(PoseHypothesis& pose, float support) const;
 
