@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -97,9 +99,14 @@ TEST_F(ObserveTest, EveryLineOfTheLogIsJsonAndAFailedRequestCanBeSentAgain) {
   const RequestId id{0xee, 7};
   EXPECT_FALSE(client.plan(frame_, request_, seconds(30), id));
 
-  const Finished replayed =
-      run(std::string(GRASP) + " replay " + path("flights/default/*_ee070000*.flight") +
-          " --server " + server.data_endpoint);
+  // The record is written after the answer has gone out.
+  const std::filesystem::path flights = path("flights/default");
+  const auto is_record = [](const auto& entry) { return entry.path().extension() == ".flight"; };
+  std::error_code not_yet;
+  while (std::ranges::none_of(std::filesystem::directory_iterator(flights, not_yet), is_record)) {
+  }
+  const Finished replayed = run(std::string(GRASP) + " replay " + flights.string() +
+                                "/*_ee070000*.flight --server " + server.data_endpoint);
   EXPECT_EQ(replayed.exit_code, 0) << replayed.output;
   EXPECT_THAT(replayed.output, HasSubstr("PLANNED"));
   EXPECT_THAT(replayed.output, HasSubstr("; was INTERNAL ("));
