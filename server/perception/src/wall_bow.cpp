@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "parallel.hpp"
+
 namespace graspd::perception {
 namespace {
 
@@ -84,12 +86,16 @@ BowEquation bow_equation(const DepthGrid& grid, const PoseVerifier& verifier,
 double find_wall_bow_m(const DepthGrid& grid, const PoseVerifier& verifier,
                        std::span<const PoseHypothesis> poses, const BowedWalls& walls) {
   const double tolerance_m = verifier.tolerance_m();
+  std::vector<PoseHypothesis> asked = spread_out(verifier, poses);
+  std::vector<BowEquation> equations(asked.size());
+  parallel_for(asked.size(), [&](std::size_t i) {
+    for (int k = 0; k < kIcpSteps; ++k) {
+      verifier.icp_step(asked[i], PoseVerifier::kAllPoints, tolerance_m);
+    }
+    equations[i] = bow_equation(grid, verifier, asked[i], walls, static_cast<float>(tolerance_m));
+  });
   BowEquation all;
-  for (PoseHypothesis& pose : spread_out(verifier, poses)) {
-    for (int i = 0; i < kIcpSteps; ++i)
-      verifier.icp_step(pose, PoseVerifier::kAllPoints, tolerance_m);
-    const BowEquation part =
-        bow_equation(grid, verifier, pose, walls, static_cast<float>(tolerance_m));
+  for (const BowEquation& part : equations) {
     all.a += part.a;
     all.b_m += part.b_m;
   }
