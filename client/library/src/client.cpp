@@ -11,13 +11,6 @@
 namespace graspd::client {
 namespace {
 
-template <class T>
-std::future<Result<T>> ready_future(Error error) {
-  std::promise<Result<T>> promise;
-  promise.set_value(tl::unexpected(std::move(error)));
-  return promise.get_future();
-}
-
 /// The part of an answer that was asked for.
 template <class T>
 Result<T> body_of(Result<Answer> answer) {
@@ -36,6 +29,15 @@ RequestId new_request_id() {
   return id;
 }
 
+Result<PreparedPlan> prepare(const DepthFrame& frame, const PlanRequest& request,
+                             DepthEncoding encoding) {
+  if (auto ok = validate(frame); !ok) return tl::unexpected(ok.error());
+  if (auto ok = validate(request); !ok) return tl::unexpected(ok.error());
+  codec::EncodedFrame encoded = codec::encode_frame(frame, encoding);
+  return PreparedPlan{{encoded.description, request},
+                      std::make_shared<const std::vector<std::byte>>(std::move(encoded.payload))};
+}
+
 Client::Client(const std::vector<std::string>& endpoints, ClientOptions options)
     : endpoints_(endpoints),
       options_(std::move(options)),
@@ -51,22 +53,29 @@ Result<PlanAnswer> Client::plan(const DepthFrame& frame, const PlanRequest& requ
 std::future<Result<PlanAnswer>> Client::submit(const DepthFrame& frame, const PlanRequest& request,
                                                std::chrono::milliseconds budget,
                                                const RequestId& id) {
-  if (auto ok = validate(frame); !ok) return ready_future<PlanAnswer>(ok.error());
-  if (auto ok = validate(request); !ok) return ready_future<PlanAnswer>(ok.error());
-  codec::EncodedFrame encoded = codec::encode_frame(frame, options_.encoding);
+  auto promise = std::make_shared<std::promise<Result<PlanAnswer>>>();
+  if (const auto plan = prepare(frame, request, options_.encoding)) {
+    submit(*plan, budget, id,
+           [promise](PlanEnd end) { promise->set_value(std::move(end.answer)); });
+  } else {
+    promise->set_value(tl::unexpected(plan.error()));
+  }
+  return promise->get_future();
+}
 
+void Client::submit(const PreparedPlan& plan, std::chrono::milliseconds budget, const RequestId& id,
+                    std::function<void(PlanEnd)> done) {
   Loop::Call call;
   call.request.id = id;
   call.request.cell = options_.cell;
-  call.request.call = PlanCall{encoded.description, request};
-  call.payload = std::make_shared<const std::vector<std::byte>>(std::move(encoded.payload));
+  call.request.call = plan.call;
+  call.payload = plan.payload;
   call.deadline = Clock::now() + budget;
-  auto promise = std::make_shared<std::promise<Result<PlanAnswer>>>();
-  call.done = [promise](Result<Answer> answer) {
-    promise->set_value(body_of<PlanAnswer>(std::move(answer)));
+  call.done = [done = std::move(done)](Result<Answer> answer, std::optional<TimePoint> sent) {
+    const TimePoint ended = Clock::now();
+    done({body_of<PlanAnswer>(std::move(answer)), sent, ended});
   };
   loop_->post(std::move(call));
-  return promise->get_future();
 }
 
 Result<PlanAnswer> Client::ask_again(std::string_view envelope, std::string_view depth_image,
@@ -87,7 +96,7 @@ Result<PlanAnswer> Client::ask_again(std::string_view envelope, std::string_view
   call.payload = std::make_shared<const std::vector<std::byte>>(image.begin(), image.end());
   call.deadline = Clock::now() + budget;
   auto promise = std::make_shared<std::promise<Result<PlanAnswer>>>();
-  call.done = [promise](Result<Answer> answer) {
+  call.done = [promise](Result<Answer> answer, std::optional<TimePoint>) {
     promise->set_value(body_of<PlanAnswer>(std::move(answer)));
   };
   loop_->post(std::move(call));
@@ -104,7 +113,7 @@ std::vector<ServerHealth> Client::health(std::chrono::milliseconds budget) {
     call.deadline = Clock::now() + budget;
     call.only = server;
     auto promise = std::make_shared<std::promise<Result<HealthAnswer>>>();
-    call.done = [promise](Result<Answer> answer) {
+    call.done = [promise](Result<Answer> answer, std::optional<TimePoint>) {
       promise->set_value(body_of<HealthAnswer>(std::move(answer)));
     };
     futures.push_back(promise->get_future());

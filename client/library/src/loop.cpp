@@ -179,7 +179,10 @@ void Client::Loop::send_due() {
     std::vector<zmq::message_t> frames;
     frames.emplace_back(envelope.data(), envelope.size());
     if (call.payload) frames.push_back(frame_of(call.payload));
-    if (links_[attempt.server].send(std::move(frames))) continue;
+    if (links_[attempt.server].send(std::move(frames))) {
+      if (!call.sent) call.sent = Clock::now();
+      continue;
+    }
     dispatcher_.not_sent(attempt.id, now);
     wake_ = std::min(wake_, now + milliseconds(1));
   }
@@ -190,9 +193,9 @@ void Client::Loop::send_due() {
 
 void Client::Loop::end(const RequestId& id, Result<Answer> result) {
   const auto found = calls_.find(id);
-  const Done done = std::move(found->second.done);
+  const Call call = std::move(found->second);
   calls_.erase(found);
-  done(std::move(result));
+  call.done(std::move(result), call.sent);
 }
 
 }  // namespace graspd::client

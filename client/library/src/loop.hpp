@@ -18,7 +18,7 @@ namespace graspd::client {
 /// The thread that owns the sockets. Other threads hand it calls through a queue and an eventfd.
 class Client::Loop {
  public:
-  using Done = std::function<void(Result<Answer>)>;
+  using Done = std::function<void(Result<Answer>, std::optional<TimePoint> sent)>;
 
   struct Call {
     Request request;       ///< attempt and budget are filled in with each attempt
@@ -26,7 +26,8 @@ class Client::Loop {
     std::shared_ptr<const std::vector<std::byte>> payload;  ///< null for health
     TimePoint deadline;
     std::optional<std::size_t> only;
-    Done done;  ///< called once, on the loop's thread
+    Done done;                      ///< called once, on the loop's thread
+    std::optional<TimePoint> sent;  ///< its first attempt
   };
 
   Loop(const std::vector<std::string>& endpoints, std::optional<keys::ClientKeys> keys,

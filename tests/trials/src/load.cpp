@@ -1,28 +1,45 @@
 #include "graspd/trials/load.hpp"
 
+#include "graspd/load/pace.hpp"
+
 namespace graspd::trials {
 namespace {
 
-std::vector<std::unique_ptr<client::Client>> make_clients(const LoadOptions& options) {
-  std::vector<std::unique_ptr<client::Client>> clients;
-  for (int cell = 0; cell < options.cells_n; ++cell) {
-    client::ClientOptions own;
-    own.cell = options.name + "_" + std::to_string(cell);
-    own.dispatch = options.dispatch;
-    if (const auto keys = options.keys.find(own.cell); keys != options.keys.end()) {
-      own.keys = keys->second;
-    }
-    clients.push_back(std::make_unique<client::Client>(options.endpoints, own));
+std::shared_ptr<const std::vector<client::PreparedPlan>> make_plans(const std::string& script) {
+  std::vector<client::PreparedPlan> plans;
+  for (std::uint32_t number = 0; number < kQuestions_n; ++number) {
+    const Question question = make_question(number, script);
+    plans.push_back(client::prepare(question.frame, question.request).value());
   }
-  return clients;
+  return std::make_shared<const std::vector<client::PreparedPlan>>(std::move(plans));
 }
 
-std::vector<Question> make_questions(const std::string& script) {
-  std::vector<Question> questions;
-  for (std::uint32_t number = 0; number < kQuestions_n; ++number) {
-    questions.push_back(make_question(number, script));
+void note(const RequestId& id, const client::PlanEnd& end, History& history) {
+  if (end.answer) {
+    history.answered(id, end.ended, question_of(*end.answer), digest_of(*end.answer));
+  } else {
+    history.refused(id, end.ended, end.answer.error().code);
   }
-  return questions;
+}
+
+std::unique_ptr<load::Generator> make_generator(const LoadOptions& options, History& history) {
+  const auto plans = make_plans(options.script);
+  std::vector<load::Cell> cells;
+  for (int number = 0; number < options.cells_n; ++number) {
+    load::Cell cell{options.name + "_" + std::to_string(number), std::nullopt, plans};
+    if (const auto keys = options.keys.find(cell.name); keys != options.keys.end()) {
+      cell.keys = keys->second;
+    }
+    cells.push_back(std::move(cell));
+  }
+  load::Observer observer;
+  observer.asked = [&history](const load::Asked& asked) {
+    history.asked(asked.id, static_cast<std::uint32_t>(asked.plan), asked.planned, asked.budget);
+  };
+  observer.ended = [&history](const load::Ended& ended) { note(ended.id, ended.end, history); };
+  return std::make_unique<load::Generator>(
+      std::move(cells), load::GeneratorOptions{options.endpoints, options.budget, options.dispatch},
+      std::move(observer));
 }
 
 }  // namespace
@@ -33,63 +50,20 @@ void ask(client::Client& client, const Question& question, std::chrono::millisec
   history.asked(id, question.number, planned, budget);
   const auto left =
       std::chrono::duration_cast<std::chrono::milliseconds>(planned + budget - Clock::now());
-  const auto answer = client.plan(question.frame, question.request, left, id);
-  const TimePoint at = Clock::now();
-  if (answer) {
-    history.answered(id, at, question_of(*answer), digest_of(*answer));
-  } else {
-    history.refused(id, at, answer.error().code);
-  }
+  auto answer = client.plan(question.frame, question.request, left, id);
+  note(id, {std::move(answer), std::nullopt, Clock::now()}, history);
 }
 
 ClosedLoop::ClosedLoop(const LoadOptions& options, History& history)
-    : options_(options),
-      history_(history),
-      questions_(make_questions(options.script)),
-      clients_(make_clients(options)) {
-  for (const auto& client : clients_) {
-    for (int i = 0; i < options_.in_flight_n; ++i) {
-      threads_.emplace_back([this, &client = *client, first = threads_.size()] {
-        for (std::size_t number = first; !stop_; ++number) {
-          ask(client, questions_[number % questions_.size()], options_.budget, Clock::now(),
-              history_);
-        }
-      });
-    }
-  }
-}
-
-ClosedLoop::~ClosedLoop() { stop(); }
-
-void ClosedLoop::stop() {
-  stop_ = true;
-  for (std::thread& thread : threads_) {
-    if (thread.joinable()) thread.join();
-  }
-}
+    : generator_(make_generator(options, history)), loop_(*generator_, options.in_flight_n) {}
 
 void run_open_loop(const LoadOptions& options, double rate_hz, int requests_n, History& history) {
-  const auto clients = make_clients(options);
-  for (const auto& client : clients) (void)client->health();  // connected from here on
-  const std::vector<Question> questions = make_questions(options.script);
-  const int threads_n = options.cells_n * options.in_flight_n;
-  const TimePoint start = Clock::now();
-  const auto planned = [&](int i) {
-    return start +
-           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(i / rate_hz));
-  };
-  std::vector<std::thread> threads;
-  for (int first = 0; first < threads_n; ++first) {
-    threads.emplace_back([&, first] {
-      for (int i = first; i < requests_n; i += threads_n) {
-        std::this_thread::sleep_until(planned(i));
-        ask(*clients[static_cast<std::size_t>(i % options.cells_n)],
-            questions[static_cast<std::size_t>(i) % questions.size()], options.budget, planned(i),
-            history);
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  const auto generator = make_generator(options, history);
+  generator->connect();
+  const auto pace = load::fixed_pace(Clock::now(), rate_hz, generator->cells_n());
+  load::run_open_loop(*generator, pace,
+                      [left_n = requests_n](const load::Due&) mutable { return left_n-- > 0; });
+  generator->wait_until_idle();
 }
 
 }  // namespace graspd::trials

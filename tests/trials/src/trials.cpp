@@ -109,7 +109,6 @@ OpenLoop open_loop(double capacity_share, int requests_n) {
   const int before_n = answers_n(health_of(server->data_endpoint));
   History history;
   LoadOptions options = cells_of({server->data_endpoint}, 6);
-  options.in_flight_n = 20;
   options.budget = milliseconds(500);
   options.dispatch.max_attempts_n = 1;  // every refusal is seen
   const TimePoint start = Clock::now();

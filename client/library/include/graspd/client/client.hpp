@@ -1,6 +1,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -32,6 +34,23 @@ struct ServerHealth {
 
 /// 16 random bytes.
 RequestId new_request_id();
+
+/// A frame and a request, checked and encoded: for who sends the same ones again and again. Copies
+/// share the image.
+struct PreparedPlan {
+  PlanCall call;
+  std::shared_ptr<const std::vector<std::byte>> payload;
+};
+/// \returns INVALID_ARGUMENT for what need not be sent to know that it is wrong.
+Result<PreparedPlan> prepare(const DepthFrame& frame, const PlanRequest& request,
+                             DepthEncoding encoding = DepthEncoding::kRaw);
+
+/// How a request ended, and when.
+struct PlanEnd {
+  Result<PlanAnswer> answer;
+  std::optional<TimePoint> sent;  ///< its first attempt, to a socket; none: no server was there
+  TimePoint ended;
+};
 
 /// Asks grasp servers for plans. Servers keep nothing between requests, so any of them will do: the
 /// client knows all addresses and balances itself, with no broker between.
@@ -65,6 +84,11 @@ class Client {
   Result<PlanAnswer> ask_again(std::string_view envelope, std::string_view depth_image,
                                std::chrono::milliseconds budget,
                                const RequestId& id = new_request_id());
+
+  /// The same without a copy, and with a call of `done` instead of a future: once, from a thread of
+  /// the client's, which it must not keep waiting.
+  void submit(const PreparedPlan& plan, std::chrono::milliseconds budget, const RequestId& id,
+              std::function<void(PlanEnd)> done);
 
   /// Asks every server once.
   std::vector<ServerHealth> health(std::chrono::milliseconds budget = std::chrono::seconds(2));

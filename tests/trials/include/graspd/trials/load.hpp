@@ -1,14 +1,12 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <map>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "graspd/client/client.hpp"
+#include "graspd/load/generator.hpp"
 #include "graspd/trials/history.hpp"
 #include "graspd/trials/question.hpp"
 
@@ -19,7 +17,7 @@ struct LoadOptions {
   std::vector<std::string> endpoints;
   std::string name = "cell";  ///< cells are name_0, name_1, …, each with a client of its own
   int cells_n = 1;
-  int in_flight_n = 1;  ///< of each cell
+  int in_flight_n = 1;  ///< of each cell, in a closed loop
   std::string script = "sleep_20";
   std::chrono::milliseconds budget{5000};
   client::DispatchOptions dispatch{};
@@ -37,26 +35,18 @@ void ask(client::Client& client, const Question& question, std::chrono::millisec
 class ClosedLoop {
  public:
   ClosedLoop(const LoadOptions& options, History& history);
-  ~ClosedLoop();
-  ClosedLoop(const ClosedLoop&) = delete;
-  ClosedLoop& operator=(const ClosedLoop&) = delete;
 
   /// Waits for what is in flight.
-  void stop();
+  void stop() { loop_.stop(); }
 
  private:
-  LoadOptions options_;
-  History& history_;
-  std::vector<Question> questions_;
-  std::vector<std::unique_ptr<client::Client>> clients_;
-  std::atomic<bool> stop_ = false;
-  std::vector<std::thread> threads_;
+  std::unique_ptr<load::Generator> generator_;
+  load::ClosedLoop loop_;
 };
 
 /// Asks at planned instants, whether or not earlier questions are answered, and counts time from
 /// those instants, so that a server that is slow can't slow the clock down. Cells take turns; they
 /// are connected before the first one.
-/// At most cells × in_flight_n are in flight: make that rate × budget.
 void run_open_loop(const LoadOptions& options, double rate_hz, int requests_n, History& history);
 
 }  // namespace graspd::trials
