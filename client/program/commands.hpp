@@ -14,6 +14,8 @@ void add_stats_command(CLI::App& app);
 void add_record_command(CLI::App& app);
 /// Adds `replay`: asks again what was recorded, and compares the answers.
 void add_replay_command(CLI::App& app);
+/// Adds `load`: puts servers under load.
+void add_load_command(CLI::App& app);
 
 /// Adds `keys new|allow|revoke|list`: who may use a server.
 void add_keys_command(CLI::App& app);

@@ -3,7 +3,7 @@
 
 int main(int count, char** words) {
   return graspd::run_program("grasp", count, words, [](CLI::App& app) {
-    app.description("Asks grasp servers for grasps, and keeps their keys.");
+    app.description("Asks grasp servers for grasps, loads them, and keeps their keys.");
     app.require_subcommand(1);
     app.footer(
         "Exit codes: 0 planned (health: all ready; stats: all there; keys: done), 1 a defect of "
@@ -17,6 +17,7 @@ int main(int count, char** words) {
     graspd::program::add_stats_command(app);
     graspd::program::add_record_command(app);
     graspd::program::add_replay_command(app);
+    graspd::program::add_load_command(app);
     graspd::program::add_keys_command(app);
   });
 }

@@ -2,10 +2,14 @@
 
 namespace graspd::program {
 
-void add_server_options(CLI::App& command, ServerArguments& arguments) {
-  command.add_option("--server", arguments.servers, "endpoint; say it once per server")
+void add_server_option(CLI::App& command, std::vector<std::string>& servers) {
+  command.add_option("--server", servers, "endpoint; say it once per server")
       ->type_name("tcp://HOST:PORT")
       ->capture_default_str();
+}
+
+void add_server_options(CLI::App& command, ServerArguments& arguments) {
+  add_server_option(command, arguments.servers);
   CLI::Option* server_key = command.add_option("--server-key", arguments.server_key,
                                                "the servers' public key; none: they are insecure");
   CLI::Option* key =

@@ -15,6 +15,8 @@ struct ServerArguments {
   std::string key;
 };
 
+/// `--server` alone.
+void add_server_option(CLI::App& command, std::vector<std::string>& servers);
 void add_server_options(CLI::App& command, ServerArguments& arguments);
 
 /// With the keys read, in the name of the cell that they belong to; without keys in that of

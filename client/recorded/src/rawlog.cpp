@@ -58,19 +58,19 @@ class Rawlog final : public Questions {
   Result<std::string> envelope_of(const RecordedFrame& recorded,
                                   const FrameDescription& frame) const {
     if (ask_with_) {
-      if (is_other_camera(frame.camera, ask_with_->camera)) {
+      if (ask_with_->camera && is_other_camera(frame.camera, *ask_with_->camera)) {
         return invalid(
             "it was recorded by another camera ({}) than the one that is calibrated ({}); take "
             "that "
             "one's calibration",
-            text_of(frame.camera), text_of(ask_with_->camera));
+            text_of(frame.camera), text_of(*ask_with_->camera));
       }
       return codec::encode_request({.cell = "", .call = PlanCall{frame, ask_with_->request}});
     }
     if (recorded.request.empty()) {
       return invalid(
-          "there is no request beside it that says what to look for and where; say it with "
-          "--camera, --cell and --part");
+          "there is no request beside it that says what to look for and where; say it (grasp "
+          "replay: --camera, --cell and --part; grasp load: FILE=PART)");
     }
     return codec::request_from_json(recorded.request, frame);
   }

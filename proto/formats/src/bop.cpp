@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "graspd/formats/cell.hpp"
+
 namespace graspd {
 namespace {
 
@@ -105,6 +107,16 @@ std::filesystem::path image_path(const std::filesystem::path& directory, const c
 }
 
 }  // namespace
+
+PlanRequest request_for(const BopImage& image, const std::vector<std::string>& part_ids) {
+  PlanRequest request;
+  request.T_base_camera = image.T_world_camera.value_or(looking_down());
+  if (image.bin) {
+    request.bin = Bin{request.T_base_camera * image.bin->T_camera_bin, image.bin->inner_size_m, 0};
+  }
+  for (const std::string& id : part_ids) request.parts.push_back({id, 0});
+  return request;
+}
 
 Result<BopScene> BopScene::open(const std::filesystem::path& directory) {
   BopScene scene;

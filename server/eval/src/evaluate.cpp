@@ -4,7 +4,6 @@
 #include <chrono>
 #include <ctime>
 
-#include "graspd/formats/cell.hpp"
 #include "graspd/perception/planner.hpp"
 #include "graspd/perception/preprocess.hpp"
 #include "graspd/perception/segmentation.hpp"
@@ -45,15 +44,7 @@ SegmentationAccuracy measure_segmentation(const BopImage& image, const PlanReque
 
 PlanRequest request_for(const BopImage& image, const parts::Catalogue& catalogue,
                         const std::vector<std::string>& part_ids) {
-  PlanRequest request;
-  request.T_base_camera = image.T_world_camera.value_or(looking_down());
-  if (image.bin) {
-    request.bin = Bin{request.T_base_camera * image.bin->T_camera_bin, image.bin->inner_size_m, 0};
-  }
-  for (const auto& id : part_ids.empty() ? parts_in(image, catalogue) : part_ids) {
-    request.parts.push_back({id, 0});
-  }
-  return request;
+  return graspd::request_for(image, part_ids.empty() ? parts_in(image, catalogue) : part_ids);
 }
 
 Result<ImageReport> evaluate_image(const BopImage& image, int scene_id, const PlanRequest& request,

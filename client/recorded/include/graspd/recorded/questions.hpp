@@ -30,7 +30,7 @@ class Questions {
 /// What to ask with frames that were recorded without a request.
 struct AskWith {
   PlanRequest request;
-  CameraIntrinsics camera;  ///< that the request was made for
+  std::optional<CameraIntrinsics> camera;  ///< that the request was made for; nothing: any
 };
 
 /// \param path a rawlog, a .flight file, or a folder of them, however deep, in the order of their

@@ -41,6 +41,10 @@ struct BopImage {
   std::optional<Image16> instance;
 };
 
+/// The request that an image stands for. Base is the world where the data set has one, else a base
+/// above the scene whose z points against the camera's.
+PlanRequest request_for(const BopImage& image, const std::vector<std::string>& part_ids);
+
 class BopScene {
  public:
   /// \returns INVALID_ARGUMENT where the folder, scene_camera.json or a field in it is wrong.

@@ -22,8 +22,7 @@ struct ImageReport {
   std::optional<PoseAccuracy> poses;                 ///< where true poses are there
 };
 
-/// The request that a BOP image stands for. Base is the world where the data set has one, else a
-/// base above the scene whose z points against the camera's.
+/// As graspd::request_for of the image.
 /// \param part_ids which parts to look for; where empty, those in the image's ground truth, or the
 /// whole catalogue without one.
 PlanRequest request_for(const BopImage& image, const parts::Catalogue& catalogue,
