@@ -43,7 +43,7 @@ Result<int> ask(const HealthArguments& arguments) {
   for (const auto& [endpoint, health] :
        client.health(std::chrono::milliseconds(arguments.budget_ms))) {
     if (!health) {
-      fmt::print(stderr, "grasp: {}: {}\n", name_of(health.error().code), health.error().message);
+      print_error(health.error());
       code = exit_code(health.error().code);
       continue;
     }

@@ -34,6 +34,9 @@ Result<int> show(const StatsArguments& arguments) {
   if (arguments.once) {
     const auto servers = client.health(budget);
     fmt::print("{}", stats_report({}, servers));
+    for (const auto& server : servers) {
+      if (!server.health) print_error(server.health.error());
+    }
     const bool all = std::all_of(servers.begin(), servers.end(),
                                  [](const auto& server) { return server.health.has_value(); });
     return all ? 0 : kExitTryAgain;

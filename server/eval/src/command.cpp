@@ -11,6 +11,7 @@
 #include "graspd/command_line/choices.hpp"
 #include "graspd/command_line/help.hpp"
 #include "graspd/command_line/progress.hpp"
+#include "graspd/command_line/run_program.hpp"
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/eval/mesh_part.hpp"
 #include "graspd/eval/quantile.hpp"
@@ -21,7 +22,6 @@
 namespace graspd::eval {
 namespace {
 
-constexpr int kExitFailed = 1;
 constexpr double kMillimetre_m = 1e-3;
 constexpr double kDegree_rad = M_PI / 180;
 
@@ -137,10 +137,7 @@ void print_totals(const std::vector<ImageReport>& reports) {
 
 Result<void> check_parts(const Options& options, const parts::Catalogue& catalogue) {
   for (const std::string& id : options.part_ids) {
-    if (catalogue.find(id) == nullptr) {
-      return fail(Code::kUnknownPart, "--part {}: not in the catalogue {}", id,
-                  options.parts.string());
-    }
+    if (const auto part = catalogue.get(id); !part) return tl::unexpected(part.error());
   }
   return {};
 }
@@ -217,8 +214,9 @@ void add_eval_command(CLI::App& app) {
       throw CLI::RequiredError("--parts DIR or --mesh FILE");
     }
     if (auto ok = run(*options); !ok) {
-      std::cerr << fmt::format("{}: {}\n", name_of(ok.error().code), ok.error().message);
-      throw CLI::RuntimeError(kExitFailed);
+      const Error& error = ok.error();
+      std::cerr << fmt::format("grasp_server: {}: {}\n", name_of(error.code), error.message);
+      throw CLI::RuntimeError(error.code == Code::kInternal ? kExitFailed : kExitWrongInput);
     }
   });
 }
