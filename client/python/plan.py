@@ -19,6 +19,9 @@ BUDGET_MS = 10_000
 def read(path):  # OpenCV's YAML has a first line and a tag of its own
     return yaml.safe_load(open(path).read().replace("%YAML:1.0", "").replace("!!opencv-matrix", ""))
 
+def words(path):  # of a key file, below its comment
+    return [line for line in open(path) if not line.startswith("#")][0].split()
+
 def pose(m):  # a 4 × 4 matrix row by row; of the multiples of the quaternion the longest is the most exact
     (a, b, c), (d, e, f), (g, h, i) = m[0:3], m[4:7], m[8:11]
     multiples = [(1 + a + e + i, h - f, c - g, d - b), (h - f, 1 + a - e - i, b + d, c + g),
@@ -48,10 +51,10 @@ def main(endpoint, depth, camera_file, cell_file, part, server_pub=None, cell_ke
                       plan=PlanCall(frame=frame, request=plan))
     socket = zmq.Context.instance().socket(zmq.DEALER)
     socket.linger = 0
-    if cell_key:  # NAME PUBLIC_KEY SECRET_KEY, of the server without the last
-        request.cell, public_key, secret_key = open(cell_key).read().split()
+    if cell_key:  # NAME PUBLIC_KEY SECRET_KEY; of the server without the last
+        request.cell, public_key, secret_key = words(cell_key)
         socket.curve_publickey, socket.curve_secretkey = public_key.encode(), secret_key.encode()
-        socket.curve_serverkey = open(server_pub).read().split()[1].encode()
+        socket.curve_serverkey = words(server_pub)[1].encode()
     socket.connect(endpoint)
     socket.send_multipart([request.SerializeToString(), pixels])
     answer = Answer()
