@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <vector>
 
@@ -159,13 +160,18 @@ class ProgressTest : public ::testing::Test {
     unsetenv("NO_COLOR");
   }
   ~ProgressTest() override {
-    std::fclose(terminal);
+    if (terminal != nullptr) std::fclose(terminal);
     close(terminal_fd_);
   }
-  std::string shown() const {
-    std::string text(4096, 0);
-    const auto bytes_n = read(terminal_fd_, text.data(), text.size());
-    text.resize(static_cast<std::size_t>(std::max<ssize_t>(bytes_n, 0)));
+  /// All of it; nothing is written afterwards.
+  std::string shown() {
+    std::fclose(terminal);
+    terminal = nullptr;
+    std::string text;
+    std::array<char, 256> piece;
+    for (ssize_t n = 0; (n = read(terminal_fd_, piece.data(), piece.size())) > 0;) {
+      text.append(piece.data(), static_cast<std::size_t>(n));
+    }
     return text;
   }
 

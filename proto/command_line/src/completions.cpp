@@ -1,5 +1,7 @@
 #include "graspd/command_line/completions.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
@@ -174,14 +176,12 @@ std::string zsh(const std::vector<Command>& commands) {
       names += " " + in_quotes(word + ":" + child.app->get_description());
       calls += "      " + word + ") " + identifier(child.path) + " ;;\n";
     }
-    text +=
+    text += fmt::format(
         " \\\n    '1: :->command' '*:: :->words'\n"
         "  case $state in\n"
-        "    command) local -a commands=(" +
-        names +
-        " ); _describe command commands ;;\n"
-        "    words) case $line[1] in\n" +
-        calls + "    esac ;;\n  esac\n}\n";
+        "    command) local -a commands=({} ); _describe command commands ;;\n"
+        "    words) case $line[1] in\n{}    esac ;;\n  esac\n}}\n",
+        names, calls);
   }
   return text + "if [ \"$funcstack[1]\" = _" + name + " ]; then _" + name +
          " \"$@\"; else compdef _" + name + " " + name + "; fi\n";
@@ -232,8 +232,8 @@ std::string fish(const std::vector<Command>& commands) {
       for (const std::string& flag : option.flags) {
         flags += flag.starts_with("--") ? " -l " + flag.substr(2) : " -s " + flag.substr(1);
       }
-      text +=
-          begin + flags + values + (flags.empty() ? "" : " -d " + in_quotes(option.text)) + "\n";
+      text += fmt::format("{}{}{}{}\n", begin, flags, values,
+                          flags.empty() ? "" : " -d " + in_quotes(option.text));
     }
   }
   return text;

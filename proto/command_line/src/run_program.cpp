@@ -1,5 +1,7 @@
 #include "graspd/command_line/run_program.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <numeric>
@@ -76,9 +78,9 @@ std::string failure_message(const CLI::App* app, const CLI::Error& error) {
   std::string text = command.path + ": " + error.what() + "\n";
   for (const std::string& word : app->remaining(true)) {
     const std::string meant = meant_by(word, *command.app);
-    if (!meant.empty()) text += "'" + word + "' is not known; is '" + meant + "' meant?\n";
+    if (!meant.empty()) text += fmt::format("'{}' is not known; is '{}' meant?\n", word, meant);
   }
-  return text + "'" + command.path + " --help' says what there is.\n";
+  return text + fmt::format("'{}' says what there is.\n", command.path + " --help");
 }
 
 }  // namespace
