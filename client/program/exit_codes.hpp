@@ -41,10 +41,14 @@ inline int exit_code(Outcome outcome) {
   return outcome == Outcome::kPlanned || outcome == Outcome::kUnchanged ? 0 : kExitNothingToGrasp;
 }
 
+inline void print_error(const Error& error) {
+  fmt::print(stderr, "grasp: {}: {}\n", name_of(error.code), error.message);
+}
+
 /// Ends a command: with the exit code it came to, or with what went wrong on stderr.
 inline void finish(const Result<int>& code) {
   if (!code) {
-    fmt::print(stderr, "grasp: {}: {}\n", name_of(code.error().code), code.error().message);
+    print_error(code.error());
     throw CLI::RuntimeError(exit_code(code.error().code));
   }
   if (*code != 0) throw CLI::RuntimeError(*code);

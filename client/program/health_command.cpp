@@ -7,6 +7,7 @@
 #include "exit_codes.hpp"
 #include "graspd/client/client.hpp"
 #include "graspd/codec/codec.hpp"
+#include "graspd/command_line/help.hpp"
 #include "graspd/formats/table.hpp"
 #include "server_arguments.hpp"
 
@@ -42,7 +43,7 @@ Result<int> ask(const HealthArguments& arguments) {
   for (const auto& [endpoint, health] :
        client.health(std::chrono::milliseconds(arguments.budget_ms))) {
     if (!health) {
-      fmt::print(stderr, "grasp: {}: {}\n", name_of(health.error().code), health.error().message);
+      print_error(health.error());
       code = exit_code(health.error().code);
       continue;
     }
@@ -68,7 +69,7 @@ void add_health_command(CLI::App& app) {
       ->check(CLI::Range(1, 600'000))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "one line of JSON per server");
-  command->footer("Example: grasp health --server tcp://127.0.0.1:5555");
+  set_help(*command, "", {"grasp health --server tcp://127.0.0.1:5555"});
   command->callback([arguments] { finish(ask(*arguments)); });
 }
 

@@ -5,6 +5,7 @@
 
 #include "commands.hpp"
 #include "exit_codes.hpp"
+#include "graspd/command_line/help.hpp"
 #include "graspd/formats/table.hpp"
 #include "graspd/keys/allow_list.hpp"
 #include "graspd/keys/key_files.hpp"
@@ -71,33 +72,37 @@ void add_keys_command(CLI::App& app) {
   const auto arguments = std::make_shared<KeysArguments>();
   CLI::App* keys = app.add_subcommand("keys", "make keys, and say which cells may use a server");
   keys->require_subcommand(1);
-  keys->footer(
-      "Example:\n"
-      "  grasp keys new server --out keys\n"
-      "  grasp keys new tees --out keys\n"
-      "  grasp keys allow keys/tees.pub --list keys/allowed_cells\n"
-      "  grasp_server serve --key keys/server.key --allowed-cells keys/allowed_cells\n"
-      "  grasp health --server-key keys/server.pub --key keys/tees.key");
+  set_help(*keys, "",
+           {"grasp keys new server --out build/keys", "grasp keys new tees --out build/keys",
+            "grasp keys allow build/keys/tees.pub --list build/keys/allowed_cells",
+            "grasp_server serve --config deploy/server.yaml --key build/keys/server.key \\\n    "
+            "--allowed-cells build/keys/allowed_cells",
+            "grasp health --server-key build/keys/server.pub --key build/keys/tees.key"});
 
   CLI::App* command = keys->add_subcommand("new", "make a key pair; never overwrites one");
   command->add_option("NAME", arguments->name, "the cell, or 'server'")->required();
   command->add_option("--out", arguments->folder, "folder for NAME.key and NAME.pub")
       ->type_name("DIR")
       ->capture_default_str();
+  set_help(*command, "", {"grasp keys new elbows --out build/keys"});
   command->callback([arguments] { finish(make(*arguments)); });
 
   command = keys->add_subcommand("allow", "add a cell's public key to a server's list");
   command->add_option("FILE", arguments->file, "its .pub file")->required();
   add_list_option(*command, *arguments);
+  set_help(*command, "",
+           {"grasp keys allow build/keys/elbows.pub --list build/keys/allowed_cells"});
   command->callback([arguments] { finish(allow(*arguments)); });
 
   command = keys->add_subcommand("revoke", "take a cell's keys out of a server's list");
-  command->add_option("CELL", arguments->name)->required();
+  command->add_option("CELL", arguments->name, "the cell")->required();
   add_list_option(*command, *arguments);
+  set_help(*command, "", {"grasp keys revoke elbows --list build/keys/allowed_cells"});
   command->callback([arguments] { finish(revoke(*arguments)); });
 
   command = keys->add_subcommand("list", "show which cells a server allows");
   add_list_option(*command, *arguments);
+  set_help(*command, "", {"grasp keys list --list build/keys/allowed_cells"});
   command->callback([arguments] { finish(list(*arguments)); });
 }
 

@@ -5,6 +5,8 @@
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "graspd/client/client.hpp"
+#include "graspd/command_line/choices.hpp"
+#include "graspd/command_line/help.hpp"
 #include "graspd/formats/depth_image.hpp"
 #include "graspd/overlay/overlay.hpp"
 #include "plan_report.hpp"
@@ -100,12 +102,9 @@ Result<int> plan(const PlanArguments& arguments) {
 }
 
 template <class E>
-CLI::Option* add_choice(CLI::App& command, const std::string& flag, std::string& value) {
-  return command.add_option(flag, value, names_of<E>())
-      ->check([](const std::string& name) {
-        return parse_enum<E>(name) ? std::string() : "known: " + names_of<E>();
-      })
-      ->type_name("NAME");
+CLI::Option* add_choice(CLI::App& command, const std::string& flag, std::string& value,
+                        const std::string& description) {
+  return command.add_option(flag, value, description)->check(one_of<E>())->type_name("NAME");
 }
 
 void add_options(CLI::App& command, PlanArguments& arguments) {
@@ -123,15 +122,22 @@ void add_options(CLI::App& command, PlanArguments& arguments) {
   command.add_flag("--json", arguments.json, "print the whole answer as JSON");
   command.add_flag("--record", arguments.record, "have the server's flight recorder keep it");
   command.add_flag("--explain", arguments.explain, "list rejected grasps with their reasons");
-  add_choice<Segmentation>(command, "--segmentation", arguments.segmentation);
-  add_choice<Registration>(command, "--registration", arguments.registration);
-  add_choice<GraspOrder>(command, "--order", arguments.order);
-  add_choice<PSystem>(command, "--p-system", arguments.p_system);
-  add_choice<Strategy>(command, "--strategy", arguments.strategy);
+  add_choice<Segmentation>(command, "--segmentation", arguments.segmentation,
+                           "how points are parted into objects; default: the server's");
+  add_choice<Registration>(command, "--registration", arguments.registration,
+                           "how poses are found; default: the server's");
+  add_choice<GraspOrder>(command, "--order", arguments.order,
+                         "whether a high or a low GRS comes first; default: the server's");
+  add_choice<PSystem>(command, "--p-system", arguments.p_system,
+                      "how GRS tells what the pile needs; default: the server's");
+  add_choice<Strategy>(command, "--strategy", arguments.strategy,
+                       "which object comes first; default: the server's");
   command
       .add_option("--max-grasps", arguments.max_grasps_n, "at most so many; 0: server's default")
       ->type_name("N");
-  add_choice<DepthEncoding>(command, "--encoding", arguments.encoding)->capture_default_str();
+  add_choice<DepthEncoding>(command, "--encoding", arguments.encoding,
+                            "of the depth image on its way")
+      ->capture_default_str();
   command.add_option("--budget-ms", arguments.budget_ms, "how long to wait for the answer")
       ->check(CLI::Range(1, 3'600'000))
       ->capture_default_str();
@@ -143,12 +149,11 @@ void add_plan_command(CLI::App& app) {
   const auto arguments = std::make_shared<PlanArguments>();
   CLI::App* command = app.add_subcommand("plan", "ask for the grasps of one depth frame");
   add_options(*command, *arguments);
-  command->footer(
-      "Exit codes: 0 planned, 1 a defect of the server, 2 wrong command line, file or request, 3 "
-      "try again,\n4 answered, but nothing to grasp (the outcome says why).\n\n"
-      "Example: grasp plan --server tcp://127.0.0.1:5555 --depth frame.png --camera camera.yaml "
-      "\\\n"
-      "                    --cell cell.yaml --part tee --overlay plan.png");
+  set_help(*command,
+           "Exit codes: 0 planned, 1 a defect of the server, 2 wrong command line, file or "
+           "request, 3 try again, 4 answered, but nothing to grasp (the outcome says why).",
+           {"grasp plan --depth build/piles/depth/000000.png --camera build/piles/camera.yaml \\\n"
+            "    --cell build/piles/cell.yaml --part tee --overlay build/plan.png"});
   command->callback([arguments] { finish(plan(*arguments)); });
 }
 

@@ -6,6 +6,8 @@
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "graspd/codec/codec.hpp"
+#include "graspd/command_line/help.hpp"
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/stop_signal.hpp"
 #include "graspd/recorded/questions.hpp"
 #include "graspd/recordings/rawlog.hpp"
@@ -58,14 +60,19 @@ class CellRecording {
     }
     const auto recorded = recorded_frame(flight);
     if (!recorded) {
+      progress_.hide();
       fmt::print(stderr, "grasp: {}: left out: {}\n", question.name, recorded.error().message);
       return {};
     }
     if (auto ok = rawlog_.add(*recorded); !ok) return ok;
     ++frames_n_;
+    progress_.step();
     return {};
   }
-  Result<void> finish() { return rawlog_.finish(); }
+  Result<void> finish() {
+    progress_.hide();
+    return rawlog_.finish();
+  }
 
   /// Of the last flight that was looked at.
   const std::string& last() const { return last_; }
@@ -86,6 +93,7 @@ class CellRecording {
   std::string other_cell_;
   std::size_t frames_n_ = 0;
   std::size_t others_n_ = 0;
+  Progress progress_{"frames"};
 };
 
 Result<void> add_all(const RecordArguments& arguments, CellRecording& recording) {
@@ -135,11 +143,12 @@ void add_record_command(CLI::App& app) {
   command->add_option("--cell", arguments->cell, "of which cell; default: the first one found")
       ->type_name("NAME");
   command->add_flag("--follow", arguments->follow, "go on with what comes, until Ctrl-C");
-  command->footer(
+  set_help(
+      *command,
       "A server keeps every request of its cells where its configuration says flight_recorder: "
-      "keep: all. In front of\neach frame stand the request (part, bin, camera pose, gripper) and "
-      "its answer. 'robot_agent record' records\nfrom a cell's camera, without a server.\n\n"
-      "Example: grasp record flights --cell tees --out tees.rawlog");
+      "keep: all. In front of each frame stand the request (part, bin, camera pose, gripper) and "
+      "its answer. 'robot_agent record' records from a cell's camera, without a server.",
+      {"grasp record build/flights --cell tees --out build/flights.rawlog"});
   command->callback([arguments] { finish(record(*arguments)); });
 }
 

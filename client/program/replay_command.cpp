@@ -8,6 +8,8 @@
 #include "exit_codes.hpp"
 #include "graspd/client/client.hpp"
 #include "graspd/codec/codec.hpp"
+#include "graspd/command_line/help.hpp"
+#include "graspd/command_line/progress.hpp"
 #include "graspd/recorded/answers_file.hpp"
 #include "graspd/recorded/questions.hpp"
 #include "plan_report.hpp"
@@ -47,6 +49,7 @@ std::uint32_t depth_crc32_of(const FlightRecord& asked) {
 /// Asks all that can be read.
 Result<void> replay_all(const ReplayArguments& arguments, Questions& questions,
                         client::Client& client, AnswersWriter* out, DiffReport& report) {
+  Progress progress("answers");
   const bool is_only_one = std::filesystem::path(arguments.file).extension() == kFlightExtension;
   while (true) {
     auto question = questions.next();
@@ -57,10 +60,12 @@ Result<void> replay_all(const ReplayArguments& arguments, Questions& questions,
     const auto answer = client.ask_again(asked.request, asked.depth_image,
                                          std::chrono::milliseconds(arguments.budget_ms));
     const auto round_trip = std::chrono::steady_clock::now() - start;
+    progress.hide();
     if (answer && (arguments.json || is_only_one)) print_plan(*answer, arguments.json, round_trip);
     const std::string text = report.add(name, answered, answer);
     if (!arguments.json) fmt::print("{}", text);
     if (std::fflush(stdout) != 0) return fail(Code::kInternal, "nobody reads any more");
+    progress.step();
     if (out == nullptr) continue;
     if (auto ok = out->add({name, depth_crc32_of(asked), answer}); !ok) return ok;
   }
@@ -146,16 +151,15 @@ void add_replay_command(CLI::App& app) {
       ->check(CLI::Range(1, 3'600'000))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "print the whole answers as JSON, and nothing else");
-  command->footer(
+  set_help(
+      *command,
       "Says of each grasp that changed by how much, and which stage's results were the first to "
-      "differ. Where the\nrecording has answers (grasp record, the flight recorder), it compares "
-      "with them.\n"
-      "Exit codes: 0 answered, and as before; 5 answers differ from those before; else as "
-      "plan's.\n\n"
-      "Example:\n"
-      "  grasp replay monday.rawlog --out old.jsonl\n"
-      "  grasp replay monday.rawlog --out new.jsonl --server tcp://127.0.0.1:6555\n"
-      "  grasp replay --diff old.jsonl new.jsonl");
+      "differ. Where the recording has answers (grasp record, the flight recorder), it compares "
+      "with them.\n\n"
+      "Exit codes: 0 answered, and as before; 5 answers differ from those before; else as plan's.",
+      {"grasp replay build/tees.rawlog --out build/old.jsonl",
+       "grasp replay build/tees.rawlog --out build/new.jsonl",
+       "grasp replay --diff build/old.jsonl build/new.jsonl"});
   command->callback([arguments, file, diff] {
     if (file->count() + diff->count() == 0) {
       throw CLI::RequiredError("FILE or --diff OLD NEW");

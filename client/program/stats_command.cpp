@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "exit_codes.hpp"
+#include "graspd/command_line/help.hpp"
 #include "server_arguments.hpp"
 #include "stats_report.hpp"
 
@@ -33,6 +34,9 @@ Result<int> show(const StatsArguments& arguments) {
   if (arguments.once) {
     const auto servers = client.health(budget);
     fmt::print("{}", stats_report({}, servers));
+    for (const auto& server : servers) {
+      if (!server.health) print_error(server.health.error());
+    }
     const bool all = std::all_of(servers.begin(), servers.end(),
                                  [](const auto& server) { return server.health.has_value(); });
     return all ? 0 : kExitTryAgain;
@@ -61,11 +65,11 @@ void add_stats_command(CLI::App& app) {
       ->check(CLI::Range(1, 600'000))
       ->capture_default_str();
   command->add_flag("--once", arguments->once, "one table of all since the servers started");
-  command->footer(
-      "shed: BUSY, SUPERSEDED, DEADLINE_EXCEEDED, DRAINING, which more servers would have served; "
-      "broken: INTERNAL and\nREJECTED_POISON, defects; refused: the client's mistakes. MiB: "
-      "memory of the server and its workers.\n\n"
-      "Example: grasp stats --server tcp://127.0.0.1:5555 --once");
+  set_help(*command,
+           "shed: BUSY, SUPERSEDED, DEADLINE_EXCEEDED, DRAINING, which more servers would have "
+           "served; broken: INTERNAL and REJECTED_POISON, defects; refused: the client's mistakes. "
+           "MiB: memory of the server and its workers.",
+           {"grasp stats --server tcp://127.0.0.1:5555 --once"});
   command->callback([arguments] { finish(show(*arguments)); });
 }
 

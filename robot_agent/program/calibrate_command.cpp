@@ -7,6 +7,8 @@
 #include "graspd/calibration/depth_fit.hpp"
 #include "graspd/calibration/hand_eye.hpp"
 #include "graspd/calibration/views.hpp"
+#include "graspd/command_line/help.hpp"
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/cell.hpp"
 
@@ -30,9 +32,12 @@ struct UsableViews {
 Result<UsableViews> find_boards(calibration::Recording recording) {
   UsableViews usable;
   std::string last_fault;
+  Progress progress("looking for the board", recording.views.size());
   for (calibration::RecordedView& view : recording.views) {
     const auto board = calibration::find_board(view.image, recording.board, recording.camera);
+    progress.step();
     if (!board) {
+      progress.hide();
       last_fault = fmt::format("{}: {}", view.name, board.error().message);
       spdlog::warn("{}; left out", last_fault);
       continue;
@@ -117,7 +122,8 @@ void add_calibrate_command(CLI::App& app) {
       ->add_option("--out", arguments->output, "the same with T_base_camera and depth_correction")
       ->required()
       ->type_name("FILE");
-  command->footer(
+  set_help(
+      *command,
       "poses.yaml:\n"
       "  board: {columns_n: 7, rows_n: 5, square_m: 0.04, marker_m: 0.03}   # ChArUco, measured\n"
       "  mirrored: true     # images and intrinsics are as a Kinect delivers them; default: false\n"
@@ -125,11 +131,11 @@ void add_calibrate_command(CLI::App& app) {
       "    - image: ir_00.png\n"
       "      T_base_flange: [16 numbers, row by row, metres]   # board on the flange: camera pose\n"
       "      depth: depth_00.png                               # depth correction\n\n"
-      "Both are optional in each view. Keys of board that may be left out: dictionary\n"
-      "(DICT_4X4_50) and margin_m (0), the plain margin of the plate: where there is one, only it\n"
-      "is read for the depth, since what is read may depend on how dark the print is.\n"
-      "What is written is for images mirrored back.\n\n"
-      "Example: robot_agent calibrate --views board --camera kinect.yaml --out camera.yaml");
+      "Both are optional in each view. Keys of board that may be left out: dictionary "
+      "(DICT_4X4_50) and margin_m (0), the plain margin of the plate: where there is one, only it "
+      "is read for the depth, since what is read may depend on how dark the print is. What is "
+      "written is for images mirrored back.",
+      {"robot_agent calibrate --views board --camera kinect.yaml --out camera.yaml"});
   command->callback([arguments] {
     const auto done = calibrate(*arguments);
     if (done) return;

@@ -2,12 +2,16 @@
 #include <spdlog/spdlog.h>
 
 #include "commands.hpp"
+#include "graspd/command_line/help.hpp"
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 
 namespace {
 
 void set_up_log(const std::string& level) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("robot_agent"));
+  spdlog::set_default_logger(spdlog::stderr_color_mt(
+      "robot_agent",
+      graspd::wants_colour(stderr) ? spdlog::color_mode::automatic : spdlog::color_mode::never));
   spdlog::set_pattern("%^%l%$ %v");
   spdlog::set_level(spdlog::level::from_str(level));
 }
@@ -21,9 +25,11 @@ int main(int count, char** words) {
         "The agent of one robot cell: sends its depth frames to a grasp server and carries out the "
         "grasps that come back.");
     app.require_subcommand(1);
-    app.footer(
-        "Exit codes: 0 done, 1 stopped or failed for the reason that the last line on stderr says, "
-        "2 wrong command line or file.");
+    graspd::set_help(
+        app,
+        "Exit codes: 0 done, 1 stopped or failed for the reason that the last line on stderr "
+        "says, 2 wrong command line or file.",
+        {"robot_agent simulate --part tee=12 --frames 1 --out build/tees_scene"});
     app.add_option("--log-level", log_level, "what is logged to stderr")
         ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
         ->type_name("LEVEL")

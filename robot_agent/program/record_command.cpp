@@ -6,6 +6,8 @@
 #include "commands.hpp"
 #include "equipment.hpp"
 #include "graspd/codec/codec.hpp"
+#include "graspd/command_line/help.hpp"
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/recordings/rawlog.hpp"
 #include "signals.hpp"
@@ -33,6 +35,7 @@ Result<std::uint64_t> record_frames(const RecordArguments& arguments, const Plan
                                     const Equipment& equipment, RawlogWriter& rawlog) {
   const std::string request_json = codec::to_json(request, false);
   std::uint64_t frames_n = 0;
+  Progress progress("frames", arguments.frames_n.value_or(0));
   while (!asked_to_stop() && (!arguments.frames_n || frames_n < *arguments.frames_n)) {
     auto frame = equipment.camera->next();
     if (!frame) return tl::unexpected(frame.error());
@@ -42,6 +45,7 @@ Result<std::uint64_t> record_frames(const RecordArguments& arguments, const Plan
         rawlog.add({std::move(**frame), stamp_s, request.T_base_camera, request_json});
     if (!added) return tl::unexpected(added.error());
     ++frames_n;
+    progress.step();
   }
   return frames_n;
 }
@@ -91,12 +95,12 @@ void add_record_command(CLI::App& app) {
       ->type_name("FILE");
   command->add_option("--out", arguments->output, "the rawlog")->required()->type_name("FILE");
   command->add_option("--frames", arguments->frames_n, "end after so many frames")->type_name("N");
-  command->footer(
-      "In front of the frames stands what the cell would ask a server: parts, bin, camera pose, "
-      "gripper. Neither arm\nnor server is asked for anything. SIGTERM and Ctrl-C end it; what was "
-      "recorded can be read, whatever ended it.\n`grasp replay` asks a server with it, "
-      "`robot_agent run --recording` picks from it, RawLogViewer shows it.\n\n"
-      "Example: robot_agent record --config deploy/cells/tees.yaml --out tees.rawlog");
+  set_help(*command,
+           "In front of the frames stands what the cell would ask a server: parts, bin, camera "
+           "pose, gripper. Neither arm nor server is asked for anything. SIGTERM and Ctrl-C end "
+           "it; what was recorded can be read, whatever ended it. 'grasp replay' asks a server "
+           "with it, 'robot_agent run --recording' picks from it, RawLogViewer shows it.",
+           {"robot_agent record --config deploy/cells/tees.yaml --out build/tees.rawlog"});
   command->callback([arguments] {
     if (const int code = run(*arguments)) throw CLI::RuntimeError(code);
   });

@@ -1,6 +1,7 @@
 #include <spdlog/spdlog.h>
 
 #include "commands.hpp"
+#include "graspd/command_line/help.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "pick_report.hpp"
 
@@ -30,9 +31,10 @@ void add_report_command(CLI::App& app) {
   command->add_option("DIR", arguments->folder, "a run's folder, or one with runs in it")
       ->required();
   command->add_flag("--markdown", arguments->markdown, "tables for a document");
-  command->footer(
-      "Prints success, picks per hour, the share of planning, and tables by part, failure and "
-      "step.\n\nExample: robot_agent report build/demo/records");
+  set_help(*command,
+           "Prints success, picks per hour, the share of planning, and tables by part, failure and "
+           "step.",
+           {"robot_agent report build/tees"});
   command->callback([arguments] {
     if (const int code = report(*arguments)) throw CLI::RuntimeError(code);
   });

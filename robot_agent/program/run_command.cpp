@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "console_operator.hpp"
 #include "equipment.hpp"
+#include "graspd/command_line/help.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/server_planner/server_planner.hpp"
 #include "report.hpp"
@@ -163,11 +164,13 @@ void add_run_command(CLI::App& app) {
       ->add_option("--seed", arguments->seed, "of a simulated cell's pile, not the configuration's")
       ->type_name("N");
   command->add_flag("--no-header", arguments->no_header, "where several agents share a terminal");
-  command->footer(
-      "Prints a line per frame, and writes a folder with the run's records (`robot_agent report` "
-      "sums them up),\nwhat the arm was told (JSON lines) and overlays (PNG). SIGTERM and Ctrl-C "
-      "end it after the pick in hand;\nSIGUSR1 or Enter goes on where it asks its operator.\n\n"
-      "Example: robot_agent run --config deploy/cells/tees.yaml --out build/tees");
+  set_help(
+      *command,
+      "Prints a line per frame, and writes a folder with the run's records ('robot_agent report' "
+      "sums them up), what the arm was told (JSON lines) and overlays (PNG). SIGTERM and Ctrl-C "
+      "end it after the pick in hand; SIGUSR1 or Enter goes on where it asks its operator.",
+      {"robot_agent run --config deploy/cells/tees.yaml --recording build/piles --out build/tees",
+       "robot_agent run --config deploy/cells/simulated_tees.yaml --pile 3 --out build/simulated"});
   command->callback([arguments] {
     if (const int code = run(*arguments)) throw CLI::RuntimeError(code);
   });

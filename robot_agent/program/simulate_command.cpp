@@ -5,7 +5,9 @@
 #include <fstream>
 
 #include "commands.hpp"
+#include "graspd/command_line/help.hpp"
 #include "graspd/command_line/installed.hpp"
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/cell.hpp"
 #include "graspd/sim_cell/scene.hpp"
@@ -93,9 +95,9 @@ Result<sim_cell::SceneReport> simulate_into(const SimulateArguments& arguments) 
   if (!scene) return tl::unexpected(scene.error());
   const auto catalogue = parts::Catalogue::load(arguments.catalogue);
   if (!catalogue) return tl::unexpected(catalogue.error());
-  auto report = sim_cell::simulate_scene(*catalogue, *scene, arguments.output, [&](int frame_n) {
-    spdlog::info("{}: frame {} of {}", arguments.output.string(), frame_n, scene->frames_n);
-  });
+  Progress progress("simulating", static_cast<std::size_t>(scene->frames_n));
+  auto report =
+      sim_cell::simulate_scene(*catalogue, *scene, arguments.output, [&](int) { progress.step(); });
   if (!report) return report;
   if (auto ok = write_cell_files(arguments.output); !ok) return tl::unexpected(ok.error());
   return report;
@@ -147,11 +149,11 @@ void add_simulate_command(CLI::App& app) {
   command->add_option("--bin-size-m", arguments->bin_size_m, "inner sizes: longer, shorter, height")
       ->expected(3)
       ->type_name("X Y Z");
-  command->footer(
-      "Writes a BOP scene (depth, poses, visible fractions, instance ids), the same frames as an "
-      "MRPT rawlog,\nframes.rawlog, and camera.yaml and cell.yaml for `grasp plan`. The same seed "
-      "makes the same frames.\n\n"
-      "Example: robot_agent simulate --part tee=30 --part elbow=15 --frames 5 --out build/piles");
+  set_help(*command,
+           "Writes a BOP scene (depth, poses, visible fractions, instance ids), the same frames as "
+           "an MRPT rawlog, frames.rawlog, and camera.yaml and cell.yaml for 'grasp plan'. The "
+           "same seed makes the same frames.",
+           {"robot_agent simulate --part tee=12 --part elbow=6 --frames 2 --out build/piles"});
   command->callback([arguments] {
     if (const int code = simulate(*arguments)) throw CLI::RuntimeError(code);
   });

@@ -9,6 +9,8 @@
 #include <optional>
 
 #include "commands.hpp"
+#include "graspd/command_line/choices.hpp"
+#include "graspd/command_line/help.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/table.hpp"
 #include "graspd/parts/mesh_check.hpp"
@@ -97,25 +99,26 @@ int check(const CheckArguments& arguments) {
 void add_part_command(CLI::App& app) {
   CLI::App* part = app.add_subcommand("part", "work on parts of the catalogue");
   part->require_subcommand(1);
+  set_help(*part, "", {"grasp_server part check deploy/parts/tee/part.yaml"});
   const auto arguments = std::make_shared<CheckArguments>();
   CLI::App* command = part->add_subcommand(
       "check", "say what is wrong with a mesh or a part, and where it can be grasped");
   command->add_option("FILE", arguments->file, "mesh (STL, PLY or OBJ), or a part.yaml")
       ->required();
-  command->add_option("--unit", arguments->unit, "of a mesh: " + names_of<parts::LengthUnit>())
-      ->check([](const std::string& name) {
-        return parse_enum<parts::LengthUnit>(name) ? "" : "known: " + names_of<parts::LengthUnit>();
-      })
+  command->add_option("--unit", arguments->unit, "of a mesh")
+      ->type_name("UNIT")
+      ->check(one_of<parts::LengthUnit>())
       ->capture_default_str();
   command
       ->add_option("--distance-m", arguments->sensor.distance_m,
                    "from the camera to the parts, in metres")
       ->check(CLI::Range(0.1, 10.0))
       ->capture_default_str();
-  command->footer(
-      "Exit codes: 0 usable (there may be warnings), 1 errors found, 2 the file can't be read\n\n"
-      "Example: grasp_server part check deploy/parts/tee/tee.stl --unit mm\n"
-      "         grasp_server part check deploy/parts/tee/part.yaml");
+  set_help(
+      *command,
+      "Exit codes: 0 usable (there may be warnings), 1 errors found, 2 the file can't be read.",
+      {"grasp_server part check deploy/parts/tee/tee.stl --unit mm",
+       "grasp_server part check deploy/parts/tee/part.yaml"});
   command->callback([arguments] {
     if (const int code = check(*arguments)) throw CLI::RuntimeError(code);
   });

@@ -13,6 +13,8 @@
 #include <system_error>
 
 #include "commands.hpp"
+#include "graspd/command_line/choices.hpp"
+#include "graspd/command_line/help.hpp"
 #include "graspd/command_line/installed.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/service/front.hpp"
@@ -210,22 +212,20 @@ void add_serve_command(CLI::App& app) {
   command
       ->add_option("--workers", arguments->workers_n, "worker processes; 0: none, plan in-process")
       ->type_name("N");
-  command->add_option("--log-level", arguments->log_level, names_of<service::LogLevel>())
-      ->check([](const std::string& name) {
-        return parse_enum<service::LogLevel>(name) ? "" : "known: " + names_of<service::LogLevel>();
-      })
+  command->add_option("--log-level", arguments->log_level, "the least that is logged")
+      ->check(one_of<service::LogLevel>())
       ->type_name("LEVEL");
   command->add_option("--key", arguments->key_file, "the server's own key")->type_name("FILE");
   command->add_option("--allowed-cells", arguments->allowed_cells, "list of who may ask")
       ->type_name("FILE");
   command->add_flag("--insecure", arguments->insecure,
                     "let everybody on this machine ask, without keys; loopback only");
-  command->footer(
-      "Prints 'grasp_server ready: data ENDPOINT, control ENDPOINT, …' on its output when it is, "
-      "logs to its error\noutput, and ends on SIGTERM or Ctrl-C after finishing what it accepted; "
-      "at once on the second.\nSIGHUP reads the list of allowed cells and the parts again while it "
-      "goes on serving.\n\n"
-      "Example: grasp_server serve --config deploy/server.yaml --insecure --workers 2");
+  set_help(*command,
+           "Prints 'grasp_server ready: data ENDPOINT, control ENDPOINT, …' on its output when it "
+           "is, logs to its error output, and ends on SIGTERM or Ctrl-C after finishing what it "
+           "accepted; at once on the second. SIGHUP reads the list of allowed cells and the parts "
+           "again while it goes on serving.",
+           {"grasp_server serve --config deploy/server.yaml --insecure --workers 2"});
   command->callback([arguments] {
     if (const int code = serve(*arguments)) throw CLI::RuntimeError(code);
   });

@@ -9,12 +9,10 @@ import math
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-EDGE = "#222222"
+from plot_style import EDGE, SMALL_PT, save
+
 COLUMNS_MAX = 3
 PANEL_INCHES = (4.0, 3.4)
 
@@ -27,9 +25,6 @@ def panels(parts):
     figure, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
     for axes in grid.flat[len(parts):]:
         axes.set_visible(False)
-    for axes in grid.flat:
-        axes.grid(True, alpha=0.3)
-        axes.set_axisbelow(True)
     return figure, list(zip(grid.flat, parts))
 
 
@@ -56,7 +51,7 @@ def draw_visibility(axes, part):
         recall = 100 * found / objects if objects else 0
         axes.bar(place, recall, width=0.8, color=color_of(part), edgecolor=EDGE)
         axes.annotate(f"{found}\nof {objects}", (place, recall), ha="center", va="bottom",
-                      fontsize=8, textcoords="offset points", xytext=(0, 2))
+                      fontsize=SMALL_PT, textcoords="offset points", xytext=(0, 2))
     ticks = [f"{100 * b['from']:.0f}–{100 * b['to']:.0f}" for b in part["visibility"]]
     axes.set(title=part["part"], ylim=(0, 125), yticks=range(0, 101, 20),
              xlabel="visible, %", ylabel="recall, %")
@@ -70,8 +65,7 @@ def main(stem):
         for axes, part in pairs:
             draw(axes, part)
         figure.tight_layout()
-        figure.savefig(f"{stem}_{name}.png", dpi=110)
-        print(f"picture: {stem}_{name}.png")
+        save(figure, f"{stem}_{name}.png")
 
 
 if __name__ == "__main__":

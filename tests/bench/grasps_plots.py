@@ -8,15 +8,13 @@ import json
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-EDGE = "#222222"
+from plot_style import EDGE, OTHER, OURS, SMALL_PT, save
+
 PANEL_INCHES = (4.6, 3.4)
-MEASURES = (("good", "collision-free, force closure", "#4c78a8", "o"),
-            ("lifts_free", "and pushes no other part", "#e45756", "s"))
+MEASURES = (("good", "collision-free, force closure", OURS, "o"),
+            ("lifts_free", "and pushes no other part", OTHER, "s"))
 
 
 def draw_order(axes, name, curve):
@@ -27,9 +25,8 @@ def draw_order(axes, name, curve):
         axes.plot(ranks, [100 * point[measure] for point in curve], color=color, marker=marker,
                   markeredgecolor=EDGE, label=label)
     for point in curve:
-        axes.annotate(point["piles"], (point["rank"], 112), ha="center", va="top", fontsize=7,
+        axes.annotate(point["piles"], (point["rank"], 112), ha="center", va="top", fontsize=SMALL_PT,
                       textcoords="offset points", xytext=(0, -3))
-    axes.grid(True, alpha=0.3)
     axes.set(title=f"{name} GRS", ylim=(-3, 112), xlabel="rank of the object (above: piles)",
              ylabel="success, %", xticks=ranks, yticks=range(0, 101, 20))
 
@@ -42,9 +39,8 @@ def main(stem):
         draw_order(panel, name, orders[name])
     figure.tight_layout(rect=(0, 0.07, 1, 1))
     lines, labels = axes.flat[0].get_legend_handles_labels()
-    figure.legend(lines, labels, loc="lower center", ncols=len(labels), fontsize=8)
-    figure.savefig(f"{stem}_ranks.png", dpi=110)
-    print(f"picture: {stem}_ranks.png")
+    figure.legend(lines, labels, loc="lower center", ncols=len(labels))
+    save(figure, f"{stem}_ranks.png")
 
 
 if __name__ == "__main__":

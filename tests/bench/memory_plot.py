@@ -3,10 +3,9 @@
 import csv
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+
+from plot_style import OTHER, OURS, save
 
 TARGET_MB = 250
 
@@ -16,14 +15,12 @@ def main(csv_path, png_path):
         rows = list(csv.DictReader(file))
     figure, axes = plt.subplots(figsize=(8, 4))
     axes.plot([int(row["frame"]) for row in rows], [float(row["rss_mb"]) for row in rows],
-              color="#0072b2", label="worker with six parts loaded")
-    axes.axhline(TARGET_MB, color="#d55e00", linestyle="--", label=f"target: {TARGET_MB} MB")
+              color=OURS, label="worker with six parts loaded")
+    axes.axhline(TARGET_MB, color=OTHER, linestyle="--", label=f"target: {TARGET_MB} MB")
     axes.set(xlabel="frames planned", ylabel="resident memory, MB", ylim=(0, None), xlim=(0, None))
-    axes.grid(True, alpha=0.3)
     axes.legend(loc="lower right")
     figure.tight_layout()
-    figure.savefig(png_path, dpi=110)
-    print(f"picture: {png_path}")
+    save(figure, png_path)
 
 
 if __name__ == "__main__":

@@ -9,11 +9,10 @@ import statistics
 import sys
 from collections import defaultdict
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator
+
+from plot_style import FAINT, OTHER, OURS, save
 
 TITLES = {
     "poses": "Parts found with their pose (MSSD < 0.1 diameters)",
@@ -44,7 +43,7 @@ def draw(axes, methods):
         found, objects = (sum(int(row[key]) for row in methods[name]) for key in ("found", "objects"))
         is_theirs = name.startswith(THEIRS)
         axes.plot(median_ms[name], 100 * found / max(1, objects), next(markers), markersize=9,
-                  color="#d55e00" if is_theirs else "#0072b2", markeredgecolor="white",
+                  color=OTHER if is_theirs else OURS, markeredgecolor="white",
                   label=f"{name.replace('_', ' ')}: {median_ms[name]:,.1f} ms")
 
 
@@ -58,11 +57,11 @@ def draw_methods(rows, png_path):
         axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axes.xaxis.set_minor_formatter("")
-        axes.legend(fontsize=8, loc="upper right" if task == "segmentation" else "center left")
+        axes.legend(loc="upper right" if task == "segmentation" else "center left")
     panels[0].set_ylabel("recall, %")
-    figure.suptitle("graspd in blue; PCL, OpenCV and Open3D in orange", fontsize=10)
+    figure.suptitle("graspd in blue; PCL, OpenCV and Open3D in orange")
     figure.tight_layout()
-    figure.savefig(png_path, dpi=110)
+    save(figure, png_path)
 
 
 def draw_growth(rows, png_path):
@@ -71,25 +70,23 @@ def draw_growth(rows, png_path):
         runs[int(row["parts_dropped"])].append((int(row["parts"]), float(row["ms"])))
     medians = [tuple(map(statistics.median, zip(*runs[number]))) for number in sorted(runs)]
     figure, axes = plt.subplots(figsize=(7, 4.5))
-    axes.plot(*zip(*(run for number in runs.values() for run in number)), ".", color="#999999",
+    axes.plot(*zip(*(run for number in runs.values() for run in number)), ".", color=FAINT,
               label="one frame")
-    axes.plot(*zip(*medians), "o-", color="#0072b2", label="median")
+    axes.plot(*zip(*medians), "o-", color=OURS, label="median")
     first_parts, first_ms = medians[0]
     last_parts = medians[-1][0]
-    axes.plot([0, last_parts], [0, last_parts * first_ms / first_parts], "--", color="#d55e00",
+    axes.plot([0, last_parts], [0, last_parts * first_ms / first_parts], "--", color=OTHER,
               label="linear, from the first")
     axes.set(xlabel="tees in the bin", ylabel="frame to grasps on one core, ms", xlim=(0, None),
              ylim=(0, None))
-    axes.grid(True, alpha=0.3)
     axes.legend(loc="upper left")
     figure.tight_layout()
-    figure.savefig(png_path, dpi=110)
+    save(figure, png_path)
 
 
 def main(folder):
     for name, draw_png in (("perception", draw_methods), ("perception_growth", draw_growth)):
         draw_png(read(f"{folder}/{name}.csv"), f"{folder}/{name}.png")
-        print(f"picture: {folder}/{name}.png")
 
 
 if __name__ == "__main__":

@@ -73,10 +73,12 @@ class CalibrateTest : public ::testing::Test {
                  fmt::format("board: {}\nmirrored: {}\nviews:\n{}", board, is_mirrored, views));
   }
 
+  /// The example of its --help, where what that names is.
   Finished calibrate() const {
-    const std::string path = folder.path().string();
-    return run(fmt::format("{} calibrate --views {} --camera {}/kinect.yaml --out {}/camera.yaml",
-                           ROBOT_AGENT, path, path, path));
+    return run(
+        fmt::format("cd {} && ln -sfn . board && eval \"$({} --print-examples |"
+                    " sed -n 's|^robot_agent calibrate: robot_agent|{}|p')\"",
+                    folder.path().string(), ROBOT_AGENT, ROBOT_AGENT));
   }
 
   Isometry3d T_base_camera = looking_down();

@@ -54,7 +54,10 @@ Result<TextFile> read_text(const std::filesystem::path& path) {
   const File file(path, O_RDONLY | O_NONBLOCK);
   struct stat status {};
   if (file.fd() < 0 || fstat(file.fd(), &status) != 0) return cannot("read", path, errno);
-  if (!S_ISREG(status.st_mode)) return invalid("{}: is no file", path.string());
+  if (!S_ISREG(status.st_mode))
+    return invalid(
+        "{}: is no file, but a folder or the like; name a file that 'grasp keys' has written",
+        path.string());
   if (status.st_size > kLargest_bytes) {
     return invalid("{}: has {} bytes, which no key file has", path.string(), status.st_size);
   }

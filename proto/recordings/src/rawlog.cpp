@@ -138,7 +138,8 @@ RawlogReader::~RawlogReader() = default;
 Result<RawlogReader> RawlogReader::open(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    return invalid("{}: there is no such rawlog", path.string());
+    return invalid("{}: there is no such rawlog, nor a folder of that name; is the path right?",
+                   path.string());
   }
   auto impl = std::make_unique<Impl>(path);
   if (!impl->stream.is_open()) {

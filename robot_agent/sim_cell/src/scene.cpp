@@ -76,12 +76,10 @@ Result<SceneMaker> SceneMaker::create(const parts::Catalogue& catalogue, SceneOp
   std::vector<const parts::Part*> kinds;
   std::vector<parts::Mesh> meshes;
   for (const PartCount& count : options.parts) {
-    const parts::Part* part = catalogue.find(count.part_id);
-    if (part == nullptr) {
-      return fail(Code::kUnknownPart, "parts: no part '{}' in the catalogue", count.part_id);
-    }
-    kinds.push_back(part);
-    meshes.push_back(part->mesh);
+    const auto part = catalogue.get(count.part_id);
+    if (!part) return tl::unexpected(part.error());
+    kinds.push_back(*part);
+    meshes.push_back((*part)->mesh);
   }
   if (auto ok = validate(options.sensor.camera); !ok) return tl::unexpected(ok.error());
   const double to_rim_m = options.camera_height_m - options.bin_inner_size_m.z();

@@ -8,6 +8,10 @@
 #include <iostream>
 #include <memory>
 
+#include "graspd/command_line/choices.hpp"
+#include "graspd/command_line/help.hpp"
+#include "graspd/command_line/progress.hpp"
+#include "graspd/command_line/run_program.hpp"
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/eval/mesh_part.hpp"
 #include "graspd/eval/quantile.hpp"
@@ -18,7 +22,6 @@
 namespace graspd::eval {
 namespace {
 
-constexpr int kExitFailed = 1;
 constexpr double kMillimetre_m = 1e-3;
 constexpr double kDegree_rad = M_PI / 180;
 
@@ -34,13 +37,6 @@ struct Options {
   std::string registration;
   int threads_n = 1;
 };
-
-template <class E>
-CLI::Validator one_of() {
-  std::vector<std::string> names;
-  for (const auto& [value, name] : EnumNames<E>::values) names.emplace_back(name);
-  return CLI::IsMember(names);
-}
 
 /// The catalogue, or the one part that --mesh makes. Its BOP number is the scene's first.
 Result<parts::Catalogue> load_parts(const Options& options, const BopScene& scene) {
@@ -141,10 +137,7 @@ void print_totals(const std::vector<ImageReport>& reports) {
 
 Result<void> check_parts(const Options& options, const parts::Catalogue& catalogue) {
   for (const std::string& id : options.part_ids) {
-    if (catalogue.find(id) == nullptr) {
-      return fail(Code::kUnknownPart, "--part {}: not in the catalogue {}", id,
-                  options.parts.string());
-    }
+    if (const auto part = catalogue.get(id); !part) return tl::unexpected(part.error());
   }
   return {};
 }
@@ -164,6 +157,7 @@ Result<void> run(const Options& options) {
   std::vector<BopResult> results;
   Table table({"image", "outcome", "points", "segments", "parts", "grasps", "segmentation",
                "recall", "precision", "ms"});
+  Progress progress("evaluating", scene->image_ids().size());
   for (const int im_id : scene->image_ids()) {
     const auto image = scene->read(im_id);
     if (!image) return tl::unexpected(image.error());
@@ -175,7 +169,9 @@ Result<void> run(const Options& options) {
     table.add(row_of(*report));
     results.insert(results.end(), report->results.begin(), report->results.end());
     reports.push_back(*std::move(report));
+    progress.step();
   }
+  progress.hide();
   std::cout << table.to_text();
   print_totals(reports);
   if (options.out.empty()) return {};
@@ -187,9 +183,11 @@ Result<void> run(const Options& options) {
 
 void add_eval_command(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("eval", "Run the pipeline on a BOP scene folder, without a network.");
-  command->footer(
-      "Example:\n  grasp_server eval scenes/000001 --parts deploy/parts --out results.csv");
+      app.add_subcommand("eval", "run the pipeline on a BOP scene folder, without a network");
+  set_help(*command,
+           "Says how many parts were found where the true poses are known. The results file is "
+           "what the BOP benchmark's own tools read.",
+           {"grasp_server eval build/piles --parts deploy/parts --out build/results.csv"});
   auto options = std::make_shared<Options>();
   command->add_option("scene", options->scene, "folder with scene_camera.json and depth/")
       ->required();
@@ -216,8 +214,9 @@ void add_eval_command(CLI::App& app) {
       throw CLI::RequiredError("--parts DIR or --mesh FILE");
     }
     if (auto ok = run(*options); !ok) {
-      std::cerr << fmt::format("{}: {}\n", name_of(ok.error().code), ok.error().message);
-      throw CLI::RuntimeError(kExitFailed);
+      const Error& error = ok.error();
+      std::cerr << fmt::format("grasp_server: {}: {}\n", name_of(error.code), error.message);
+      throw CLI::RuntimeError(error.code == Code::kInternal ? kExitFailed : kExitWrongInput);
     }
   });
 }

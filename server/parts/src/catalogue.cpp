@@ -159,6 +159,14 @@ const Part* Catalogue::find(std::string_view id) const {
   return found == parts_.end() ? nullptr : &*found;
 }
 
+Result<const Part*> Catalogue::get(std::string_view id) const {
+  if (const Part* part = find(id)) return part;
+  std::vector<std::string_view> known;
+  for (const Part& part : parts_) known.push_back(part.id);
+  return fail(Code::kUnknownPart, "parts: no part '{}' in the catalogue; it has: {}", id,
+              fmt::join(known, ", "));
+}
+
 const Part* Catalogue::find_bop(int obj_id) const {
   if (obj_id == 0) return nullptr;  // 0 says that a part has no number
   const auto found = std::find_if(parts_.begin(), parts_.end(),

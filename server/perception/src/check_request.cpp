@@ -8,14 +8,9 @@ namespace {
 Result<PartList> find_parts(const PlanRequest& request, const parts::Catalogue& catalogue) {
   PartList found;
   for (const RequestedPart& requested : request.parts) {
-    const parts::Part* part = catalogue.find(requested.id);
-    if (part == nullptr) {
-      std::vector<std::string> known;
-      for (const auto& candidate : catalogue.parts()) known.push_back(candidate.id);
-      return fail(Code::kUnknownPart, "parts: no part '{}' in the catalogue; it has: {}",
-                  requested.id, fmt::join(known, ", "));
-    }
-    found.push_back(part);
+    const auto part = catalogue.get(requested.id);
+    if (!part) return tl::unexpected(part.error());
+    found.push_back(*part);
   }
   return found;
 }

@@ -52,7 +52,7 @@ struct ArmData;
 /// joints. Cheap to copy, never changes, safe from many threads.
 class ArmModel {
  public:
-  /// Reads limits of acceleration from the attribute `acceleration` of <limit> (URDF 1.2).
+  /// Reads limits of acceleration from the attribute `acceleration` of `limit` (URDF 1.2).
   /// \returns INVALID_ARGUMENT naming the file, the joint or link, and what would be right.
   static Result<ArmModel> load(const std::filesystem::path& urdf);
 

@@ -22,6 +22,8 @@ class Catalogue {
 
   const std::vector<Part>& parts() const { return parts_; }
   const Part* find(std::string_view id) const;
+  /// \returns UNKNOWN_PART naming those that there are.
+  Result<const Part*> get(std::string_view id) const;
   const Part* find_bop(int obj_id) const;
   /// Of everything that can change an answer: meshes, symmetries, pick points.
   const std::string& hash() const { return hash_; }

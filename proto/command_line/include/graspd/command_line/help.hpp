@@ -1,0 +1,39 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace graspd {
+
+/// What stands below a command's options, in --help and in the manual.
+/// \param notes paragraphs, parted by empty lines; lines that begin with a space stay as they are,
+///   others are wrapped
+/// \param examples whole command lines, each of which works where those of the command's siblings
+///   have; long ones are broken as a shell has it, by a backslash at the end of a line
+void set_help(CLI::App& command, std::string_view notes, const std::vector<std::string>& examples);
+
+/// What set_help has been given, wrapped.
+std::string notes_of(const CLI::App& command);
+std::vector<std::string> examples_of(const CLI::App& command);
+
+/// The commands of a program that are for people, depth first: it, then those below.
+/// \param path the program's name and those of the commands, parted by spaces
+struct Command {
+  std::string path;
+  const CLI::App* app;
+};
+std::vector<Command> commands_of(const CLI::App& program);
+
+/// An option as people write it.
+struct OptionHelp {
+  std::vector<std::string> flags;  ///< "--json"; of an argument without a flag none
+  std::string value;               ///< "FILE"; of a flag alone nothing
+  std::vector<std::string> choices;
+  std::string text;  ///< what it does, what it may be, what it is by default
+  bool is_required = false;
+};
+std::vector<OptionHelp> options_of(const CLI::App& command);
+
+}  // namespace graspd
