@@ -8,7 +8,7 @@
 #include "graspd/command_line/installed.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/cell.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/sim_cell/scene_folder.hpp"
 
 namespace graspd::robot_agent {
 namespace {

@@ -97,6 +97,7 @@ int check(const CheckArguments& arguments) {
 void add_part_command(CLI::App& app) {
   CLI::App* part = app.add_subcommand("part", "work on parts of the catalogue");
   part->require_subcommand(1);
+  add_part_new_command(*part);
   const auto arguments = std::make_shared<CheckArguments>();
   CLI::App* command = part->add_subcommand(
       "check", "say what is wrong with a mesh or a part, and where it can be grasped");
