@@ -197,8 +197,12 @@ int make_new(const NewArguments& arguments) {
   const auto version = onboarding::version_in(arguments.parts, arguments.name, checked->mesh,
                                               arguments.is_replacing);
   if (!version) return refuse(version.error());
+  const auto give_up = [&](const Error& error) {
+    onboarding::discard_mesh(*version);
+    return refuse(error);
+  };
   auto part = onboarding::write_mesh(*version, checked->mesh);
-  if (!part) return refuse(part.error());
+  if (!part) return give_up(part.error());
 
   onboarding::Onboarding found;
   found.mesh_name = arguments.mesh.filename();
@@ -211,7 +215,7 @@ int make_new(const NewArguments& arguments) {
   say_poses(found);
   say_pick_points(found);
   auto forecast = onboarding::forecast(found.part, *options, show_progress);
-  if (!forecast) return refuse(forecast.error());
+  if (!forecast) return give_up(forecast.error());
   found.forecast = *std::move(forecast);
   found.commands = commands_of(arguments, *options, found.forecast.piles.front().parts_n);
   say("forecast", "{} piles of {} parts in {:.0f} s", found.forecast.piles.size(),
@@ -280,7 +284,8 @@ void add_part_new_command(CLI::App& part) {
       "Exit codes: 0 made, 1 the mesh can't be a part or the forecast failed, 2 wrong command line "
       "or "
       "file\n\n"
-      "Example: grasp_server part new bracket.stl --name bracket --unit mm --out parts");
+      "Example: grasp_server part new deploy/parts/tee/tee.stl --name my_tee --out build/my_parts "
+      "--piles 3");
   command->callback([arguments] {
     if (const int code = make_new(*arguments)) throw CLI::RuntimeError(code);
   });

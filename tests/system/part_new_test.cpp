@@ -97,7 +97,7 @@ TEST_F(PartNewTest, SaysWhatIsWrongWithWhatItWasGiven) {
   const Finished near = part_new(shipped("tee") + " --name it --distance-m 0.3");
   EXPECT_EQ(near.exit_code, 2);
   EXPECT_THAT(near.output, HasSubstr("the sensor sees from 0.5 m on"));
-  EXPECT_FALSE(std::filesystem::exists(parts() / "it" / "part.yaml"));
+  EXPECT_FALSE(std::filesystem::exists(parts() / "it"));
 }
 
 }  // namespace

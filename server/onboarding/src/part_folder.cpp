@@ -164,4 +164,11 @@ Result<void> write_part_file(const PartVersion& version, const std::string& rema
   return {};
 }
 
+void discard_mesh(const PartVersion& version) {
+  if (version.is_there_already) return;
+  std::error_code ignored;  // what is left over is no part without its part.yaml
+  fs::remove(version.folder / version.mesh_name(), ignored);
+  fs::remove(version.folder, ignored);  // where it is empty
+}
+
 }  // namespace graspd::onboarding

@@ -35,4 +35,7 @@ Result<parts::Part> write_mesh(const PartVersion& version, const parts::Mesh& me
 /// \param remarks lines for the file's head
 Result<void> write_part_file(const PartVersion& version, const std::string& remarks);
 
+/// Takes back what `write_mesh` wrote, where the part comes to nothing.
+void discard_mesh(const PartVersion& version);
+
 }  // namespace graspd::onboarding
