@@ -98,7 +98,8 @@ Result<CheckedMesh> checked_mesh(const NewArguments& arguments,
     checked.findings.push_back(
         {parts::Severity::kOk, "decimated",
          fmt::format("{} triangles are more than a camera can see: reduced to {}, which moves the "
-                     "surface by {:.2g} mm at most.",
+                     "surface by {:.2g} mm at most. What is said of edges may come of "
+                     "that.",
                      before_n, mesh->triangles.size(), decimated.error_m * 1e3)});
   }
   std::ranges::move(parts::check_mesh(*mesh, sensor), std::back_inserter(checked.findings));

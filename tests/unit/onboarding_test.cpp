@@ -51,7 +51,7 @@ TEST(StablePoses, OfABoxAreFlatMoreOftenThanOnEnd) {
   const parts::Part box = part_of(parts::box_mesh({0, 0, 0}, {0.08F, 0.05F, 0.02F}));
   const auto poses = stable_poses(box);
   ASSERT_EQ(poses.size(), 6U);
-  EXPECT_NEAR(sum_of(poses), 1, 1e-9);
+  EXPECT_NEAR(sum_of(poses), 1, 1e-5);
   EXPECT_NEAR(std::abs(poses.front().down.z()), 1, 1e-6);
   EXPECT_NEAR(std::abs(poses.back().down.x()), 1, 1e-6);
   const auto groups = alike(poses, box);
@@ -93,7 +93,7 @@ TEST(StablePoses, NoneIsLeftOfAFaceThatItTipsOff) {
   for (auto& vertex : leaning.vertices_m) vertex.x() += vertex.z();
   const parts::Part part = part_of(leaning);
   const auto poses = stable_poses(part);
-  EXPECT_NEAR(sum_of(poses), 1, 1e-9);
+  EXPECT_NEAR(sum_of(poses), 1, 1e-5);
   for (const StablePose& pose : poses) EXPECT_LT(std::abs(pose.down.z()), 0.99);
 }
 
@@ -109,6 +109,33 @@ TEST(Decimate, KeepsTheSizeAndTheVolume) {
       ASSERT_GE(index, 0);
       ASSERT_LT(static_cast<std::size_t>(index), coarse.mesh.vertices_m.size());
     }
+  }
+}
+
+/// Round, with a hole through it, of twice cuts_n² triangles.
+parts::Mesh torus_mesh(int cuts_n, double radius_m, double tube_m) {
+  parts::Mesh mesh;
+  for (int i = 0; i < cuts_n; ++i) {
+    for (int j = 0; j < cuts_n; ++j) {
+      const double u = 2 * M_PI * i / cuts_n, v = 2 * M_PI * j / cuts_n;
+      const double r_m = radius_m + tube_m * std::cos(v);
+      mesh.vertices_m.push_back(
+          Eigen::Vector3d(r_m * std::cos(u), r_m * std::sin(u), tube_m * std::sin(v))
+              .cast<float>());
+      const int next_i = (i + 1) % cuts_n, next_j = (j + 1) % cuts_n;
+      const int a = i * cuts_n + j, b = next_i * cuts_n + j;
+      const int c = next_i * cuts_n + next_j, d = i * cuts_n + next_j;
+      mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}});
+    }
+  }
+  return mesh;
+}
+
+TEST(Decimate, LeavesAClosedSurfaceClosed) {
+  const Decimated coarse = decimate(torus_mesh(400, 0.03, 0.009), 4000);
+  for (const parts::MeshFinding& finding : parts::check_mesh(coarse.mesh, {})) {
+    if (finding.topic != "holes" && finding.topic != "triangles") continue;
+    EXPECT_EQ(finding.severity, parts::Severity::kOk) << finding.topic << ": " << finding.sentence;
   }
 }
 

@@ -18,6 +18,9 @@ constexpr double kSameFaceCosine = 0.99999;  // 0.26°
 /// A symmetry turns one pose into another where it takes its direction to within this.
 constexpr double kSamePoseCosine = 0.9995;  // 1.8°
 
+/// Of all ways to set it down: nobody will see the part stand on its very tip.
+constexpr double kNever = 1e-6;
+
 struct HullTriangle {
   std::array<Eigen::Vector3d, 3> corners_m;  ///< from the barycentre
   std::array<int, 3> vertices;
@@ -210,7 +213,7 @@ std::vector<StablePose> stable_poses(const parts::Part& part) {
   const double whole = std::accumulate(shares.begin(), shares.end(), 0.0);
   std::vector<StablePose> poses;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    if (shares[i] <= 0) continue;
+    if (shares[i] <= kNever * whole) continue;
     poses.push_back({faces[i].normal, faces[i].height_m, shares[i] / whole,
                      std::atan2(std::max(0.0, faces[i].margin_m), faces[i].height_m)});
   }

@@ -20,7 +20,7 @@ struct StablePose {
 /// random turn has it below the barycentre (its solid angle from there, as Goldberg et al. 1999
 /// have it), and those faces that it would tip off fall to the next one over. What is round rests
 /// on any of many narrow faces: where a continuous symmetry turns them into each other they count
-/// as one. Most probable first; their probabilities add up to 1.
+/// as one. Most probable first; their probabilities add up to 1, to a hundred-thousandth.
 std::vector<StablePose> stable_poses(const parts::Part& part);
 
 /// Which of the poses look alike, by the part's symmetries: indices into `poses`, most probable
