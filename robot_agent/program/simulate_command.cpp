@@ -10,7 +10,7 @@
 #include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/cell.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/sim_cell/scene_folder.hpp"
 
 namespace graspd::robot_agent {
 namespace {

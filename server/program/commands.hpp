@@ -8,7 +8,9 @@ namespace graspd::program {
 void add_serve_command(CLI::App& app);
 /// Adds the hidden `worker`: what `serve` starts as its worker processes.
 void add_worker_command(CLI::App& app);
-/// Adds `part check MESH`: what is wrong with a mesh.
+/// Adds `part check MESH`: what is wrong with a mesh; and `part new`.
 void add_part_command(CLI::App& app);
+/// Adds `new MESH`: a part of a mesh, with a forecast.
+void add_part_new_command(CLI::App& part);
 
 }  // namespace graspd::program

@@ -100,6 +100,7 @@ void add_part_command(CLI::App& app) {
   CLI::App* part = app.add_subcommand("part", "work on parts of the catalogue");
   part->require_subcommand(1);
   set_help(*part, "", {"grasp_server part check deploy/parts/tee/part.yaml"});
+  add_part_new_command(*part);
   const auto arguments = std::make_shared<CheckArguments>();
   CLI::App* command = part->add_subcommand(
       "check", "say what is wrong with a mesh or a part, and where it can be grasped");

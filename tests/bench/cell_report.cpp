@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
 
+#include "graspd/eval/interval.hpp"
 #include "graspd/eval/quantile.hpp"
 
 namespace graspd::bench {
@@ -59,20 +59,6 @@ std::vector<std::vector<std::string>> rows_of(const std::filesystem::path& path)
 
 BinKey key_of(const std::vector<std::string>& row) { return {row[0], row[1], std::stoi(row[2])}; }
 
-struct Interval {
-  double low = 0, high = 0;
-};
-
-/// Wilson's, 95 %.
-Interval wilson(int hits_n, int all_n) {
-  if (all_n == 0) return {0, 1};
-  constexpr double z = 1.959964;
-  const double n = all_n, p = hits_n / n;
-  const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
-  const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
-  return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
-}
-
 struct Sums {
   std::string part, pipeline;
   int bins_n = 0, picks_n = 0, success_n = 0, collision_n = 0, parts_n = 0, placed_n = 0;
@@ -118,7 +104,7 @@ std::vector<Sums> sums_of(const std::vector<BinResult>& results) {
 }
 
 std::string percent(int hits_n, int all_n) {
-  const Interval interval = wilson(hits_n, all_n);
+  const eval::Interval interval = eval::wilson(hits_n, all_n);
   return fmt::format("{:.1f} ({:.1f}–{:.1f})", all_n == 0 ? 0 : 100.0 * hits_n / all_n,
                      100 * interval.low, 100 * interval.high);
 }
@@ -190,8 +176,8 @@ Table cell_table(const std::vector<BinResult>& results) {
 nlohmann::json cell_figures(const std::vector<BinResult>& results) {
   nlohmann::json figures;
   for (const Sums& sums : sums_of(results)) {
-    const Interval success = wilson(sums.success_n, sums.picks_n);
-    const Interval collision = wilson(sums.collision_n, sums.picks_n);
+    const eval::Interval success = eval::wilson(sums.success_n, sums.picks_n);
+    const eval::Interval collision = eval::wilson(sums.collision_n, sums.picks_n);
     figures[sums.part][sums.pipeline] = {{"bins", sums.bins_n},
                                          {"picks", sums.picks_n},
                                          {"success", sums.share(sums.success_n, sums.picks_n)},

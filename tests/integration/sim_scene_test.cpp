@@ -4,7 +4,7 @@
 
 #include "graspd/recordings/rawlog.hpp"
 #include "graspd/sim_cell/render.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/sim_cell/scene_folder.hpp"
 #include "temporary_folder.hpp"
 
 namespace graspd::sim_cell {

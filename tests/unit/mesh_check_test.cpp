@@ -173,9 +173,11 @@ TEST(CheckMesh, TooManyTriangles) {
     }
   }
   const auto found = faults(mesh);
-  ASSERT_EQ(found.size(), 2U);  // an open sheet has a hole as well
-  EXPECT_EQ(found[1].topic, "triangles");
-  EXPECT_THAT(found[1].sentence, HasSubstr("180000 triangles"));
+  ASSERT_EQ(found.size(), 3U);  // an open sheet is no solid, and has a hole as well
+  EXPECT_EQ(found[0].topic, "solid");
+  EXPECT_EQ(found[0].severity, Severity::kError);
+  EXPECT_EQ(found[2].topic, "triangles");
+  EXPECT_THAT(found[2].sentence, HasSubstr("180000 triangles"));
 }
 
 TEST(CheckMesh, TooSmallForTheSensorSaysFromWhereItIsNot) {

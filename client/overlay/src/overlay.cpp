@@ -247,6 +247,13 @@ cv::Mat draw_strip(int width_px, const PlanAnswer& answer) {
   return strip.rowRange(0, std::min(strip.rows, bottom_px + kLine_px / 2));
 }
 
+cv::Mat_<cv::Vec3b> bgr_of(const RgbImage& image) {
+  cv::Mat_<cv::Vec3b> picture(image.height_px, image.width_px);
+  std::transform(image.pixels.begin(), image.pixels.end(), picture.begin(),
+                 [](const auto& pixel) { return cv::Vec3b(pixel[2], pixel[1], pixel[0]); });
+  return picture;
+}
+
 }  // namespace
 
 RgbImage draw(const DepthFrame& frame, const PlanRequest& request, const PlanAnswer& answer) {
@@ -265,10 +272,14 @@ RgbImage draw(const DepthFrame& frame, const PlanRequest& request, const PlanAns
   return image;
 }
 
+std::vector<std::uint8_t> png_of(const RgbImage& image) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", bgr_of(image), bytes);
+  return bytes;
+}
+
 Result<void> write_png(const std::filesystem::path& path, const RgbImage& image) {
-  cv::Mat_<cv::Vec3b> picture(image.height_px, image.width_px);
-  std::transform(image.pixels.begin(), image.pixels.end(), picture.begin(),
-                 [](const auto& pixel) { return cv::Vec3b(pixel[2], pixel[1], pixel[0]); });
+  const cv::Mat_<cv::Vec3b> picture = bgr_of(image);
   bool written = false;
   try {
     written = cv::imwrite(path.string(), picture);

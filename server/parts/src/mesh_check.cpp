@@ -25,6 +25,9 @@ constexpr double kWallShare = 0.1;
 // Flatter than this many standard deviations, a part that lies down is a ripple of the floor.
 constexpr double kMinThicknessSigmas = 4;
 constexpr double kKinectNearest_m = 0.5;
+// Of the diameter: no part is as thin, and no hole in a solid as wide.
+constexpr double kFlatShare = 0.001;
+constexpr double kSheetRimShare = 0.9;
 
 class Findings {
  public:
@@ -134,6 +137,24 @@ std::vector<Eigen::AlignedBox3d> hole_boxes_m(const Mesh& mesh, const MeshTopolo
   return boxes;
 }
 
+/// Some files hold an outline filled with triangles, or the sheets of a drawing.
+void check_solid(const Mesh& mesh, const MeshTopology& topology, const Eigen::Vector3d& extents,
+                 double diameter, Findings& findings) {
+  if (extents[2] < kFlatShare * diameter) {
+    findings.add(Severity::kError, "solid",
+                 "The mesh is flat ({:.2g} mm thick): a drawing rather than a solid. Export the "
+                 "part's solid body from your CAD program.",
+                 extents[2] * 1e3);
+    return;
+  }
+  const auto holes = hole_boxes_m(mesh, topology);
+  if (holes.empty() || holes.front().diagonal().norm() < kSheetRimShare * diameter) return;
+  findings.add(Severity::kError, "solid",
+               "The surface is open along a rim as wide as the part ({:.4g} mm): a sheet without "
+               "thickness rather than a solid. Thicken or close it in your CAD program.",
+               holes.front().diagonal().norm() * 1e3);
+}
+
 void check_edges(const Mesh& mesh, const MeshTopology& topology, Findings& findings) {
   if (!topology.boundary_edges.empty()) {
     const auto holes = hole_boxes_m(mesh, topology);
@@ -177,7 +198,8 @@ void check_triangles(const Mesh& mesh, const MeshTopology& topology, Findings& f
   if (n > kManyTriangles) {
     findings.add(Severity::kWarning, "triangles",
                  "The mesh has {} triangles, more than a depth camera can see: reduce it to below "
-                 "{} (quadric edge collapse) to load and draw it faster.",
+                 "{} (quadric edge collapse; `grasp_server part new` does it) to load and draw it "
+                 "faster.",
                  n, kManyTriangles);
   }
   findings.add_if_none("triangles", "{} triangles, none degenerate, none twice.", n);
@@ -259,6 +281,7 @@ std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& se
   const double diameter = diameter_m(mesh);
   check_units(diameter, extents, findings);
   check_normals(mesh, topology, findings);
+  check_solid(mesh, topology, extents, diameter, findings);
   check_edges(mesh, topology, findings);
   check_triangles(mesh, topology, findings);
   check_pieces(topology, findings);

@@ -5,6 +5,7 @@
 
 #include "graspd/formats/yaml.hpp"
 #include "graspd/parts/part.hpp"
+#include "graspd/parts/part_version.hpp"
 #include "graspd/types/request.hpp"
 #include "symmetry_group.hpp"
 
@@ -164,7 +165,21 @@ void read_color(YamlMap& root, std::array<std::uint8_t, 3>& color_rgb) {
   }
 }
 
+/// For people, and for who writes part files: the planner does not ask for it.
+int read_version(YamlMap& root) {
+  int version = 1;
+  root.optional("version", version);
+  if (version < 1) root.fault("version", "'version' must be 1 or more");
+  return version;
+}
+
 }  // namespace
+
+int read_part_version(const std::filesystem::path& path) {
+  YamlDocument document(path);
+  YamlMap root = document.root();
+  return read_version(root);
+}
 
 Result<PartDescription> read_part_file(const std::filesystem::path& path) {
   YamlDocument document(path);
@@ -182,6 +197,7 @@ Result<PartDescription> read_part_file(const std::filesystem::path& path) {
   if (!root.has("mesh_unit")) root.fault({}, "key 'mesh_unit' is missing");
   root.optional_enum("mesh_unit", part.mesh_unit);
   read_color(root, part.color_rgb);
+  read_version(root);
   if (root.has("symmetries")) part.symmetries = read_symmetries(root.map("symmetries"));
   part.pick_points = read_pick_points(root);
   if (root.has("id") && !is_id(part.id)) {

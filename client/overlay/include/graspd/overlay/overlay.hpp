@@ -53,6 +53,8 @@ inline constexpr std::array<std::uint8_t, 3> kNoReadingColor{18, 18, 28};
 /// \param frame, request, answer one valid frame, what was asked of it, what was answered
 RgbImage draw(const DepthFrame& frame, const PlanRequest& request, const PlanAnswer& answer);
 
+/// A file's bytes, to be written or sent elsewhere.
+std::vector<std::uint8_t> png_of(const RgbImage& image);
 /// \returns INVALID_ARGUMENT where the file can't be written.
 Result<void> write_png(const std::filesystem::path& path, const RgbImage& image);
 

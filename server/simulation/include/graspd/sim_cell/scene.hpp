@@ -1,8 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -53,17 +51,5 @@ class SceneMaker {
   PileMaker piles_;
   parts::Mesh bin_;
 };
-
-struct SceneReport {
-  int frames_n = 0;
-  int parts_n = 0;           ///< over all frames
-  double visible_share = 0;  ///< of the parts: visible by half or more
-};
-
-/// Writes a BOP scene folder, and the same frames as an MRPT rawlog, `frames.rawlog`, inside it.
-/// \param progress called after each frame with its number from 1.
-Result<SceneReport> simulate_scene(const parts::Catalogue& catalogue, const SceneOptions& options,
-                                   const std::filesystem::path& directory,
-                                   const std::function<void(int)>& progress = {});
 
 }  // namespace graspd::sim_cell
