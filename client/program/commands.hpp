@@ -10,6 +10,8 @@ void add_plan_command(CLI::App& app);
 void add_health_command(CLI::App& app);
 /// Adds `stats`: what servers do, as a live table.
 void add_stats_command(CLI::App& app);
+/// Adds `console`: a web page of cells, plans and picks.
+void add_console_command(CLI::App& app);
 /// Adds `record`: makes a rawlog of what a server's flight recorder keeps.
 void add_record_command(CLI::App& app);
 /// Adds `replay`: asks again what was recorded, and compares the answers.

@@ -16,6 +16,7 @@ int main(int count, char** words) {
     graspd::program::add_plan_command(app);
     graspd::program::add_health_command(app);
     graspd::program::add_stats_command(app);
+    graspd::program::add_console_command(app);
     graspd::program::add_record_command(app);
     graspd::program::add_replay_command(app);
     graspd::program::add_load_command(app);

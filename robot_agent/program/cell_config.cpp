@@ -69,6 +69,7 @@ PlanOptions read_options(YamlMap map) {
   map.optional_enum("strategy", options.strategy);
   map.optional("strategy_vector_base_m", options.strategy_vector_base_m);
   map.optional("max_grasps_n", options.max_grasps_n);
+  map.optional("explain_rejected", options.explain_rejected);
   return options;
 }
 

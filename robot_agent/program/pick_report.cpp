@@ -10,8 +10,8 @@
 namespace graspd::robot_agent {
 namespace {
 
-using record::PickLine;
-using record::Run;
+using pick_records::PickLine;
+using pick_records::Run;
 
 constexpr double kMillisecondsPerSecond = 1e3;
 constexpr double kSecondsPerHour = 3600;
@@ -169,7 +169,7 @@ Table table_of_steps(const std::vector<const PickLine*>& lines) {
 Table table_of_passed_over(const std::vector<const PickLine*>& lines) {
   std::map<std::string, std::size_t> by_reason;
   for (const PickLine* line : lines) {
-    for (const std::string& reason : line->passed_over) ++by_reason[reason];
+    for (const auto& over : line->passed_over) ++by_reason[over.reason];
   }
   return counts({"grasp passed over because", "times"}, by_reason);
 }

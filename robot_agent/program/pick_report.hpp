@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "graspd/record/runs.hpp"
+#include "graspd/pick_records/runs.hpp"
 
 namespace graspd::robot_agent {
 
@@ -11,6 +11,6 @@ namespace graspd::robot_agent {
 /// hour and the share of planning; by part; what failed and why; where the time went; which grasps
 /// the arm could not take.
 /// \param markdown for documents, else for a terminal.
-std::string pick_report(const std::vector<record::Run>& runs, bool markdown);
+std::string pick_report(const std::vector<pick_records::Run>& runs, bool markdown);
 
 }  // namespace graspd::robot_agent

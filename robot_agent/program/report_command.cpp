@@ -14,7 +14,7 @@ struct ReportArguments {
 };
 
 int report(const ReportArguments& arguments) {
-  const auto runs = record::read_runs(arguments.folder);
+  const auto runs = pick_records::read_runs(arguments.folder);
   if (!runs) {
     spdlog::error("{}", runs.error().message);
     return kExitWrongInput;

@@ -1,15 +1,14 @@
-#include "graspd/record/runs.hpp"
+#include "graspd/pick_records/runs.hpp"
 
 #include <algorithm>
 #include <fstream>
-#include <optional>
+#include <nlohmann/json.hpp>
 
-#include "json.hpp"
-
-namespace graspd::record {
+namespace graspd::pick_records {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
 
 PickLine pick_line(const Json& json) {
   PickLine line;
@@ -20,9 +19,13 @@ PickLine pick_line(const Json& json) {
   line.outcome = json.value("outcome", "");
   line.message = json.value("message", "");
   line.verdict = json.value("verdict", "");
-  if (json.contains("grasp")) line.part = json["grasp"].at("part");
+  line.request_id = json.value("request_id", "");
+  if (json.contains("grasp")) {
+    line.part = json["grasp"].at("part");
+    line.rank = json["grasp"].at("rank");
+  }
   for (const Json& over : json.value("passed_over", Json::array())) {
-    line.passed_over.push_back(over.at("reason"));
+    line.passed_over.push_back({over.at("rank"), over.at("reason")});
   }
   line.is_alarmed = json.contains("alarm");
   const Json& ms = json.at("ms");
@@ -42,16 +45,33 @@ Result<std::vector<PickLine>> read_picks(const fs::path& path) {
   for (int line_n = 1; std::getline(file, text); ++line_n) {
     const bool is_cut_off = file.eof();
     if (is_cut_off) break;
-    try {
-      picks.push_back(pick_line(Json::parse(text)));
-    } catch (const Json::exception& e) {
-      return invalid("{}:{}: no record of a pick ({})", path.string(), line_n, e.what());
-    }
+    auto line = parse_pick_line(text);
+    if (!line) return invalid("{}:{}: {}", path.string(), line_n, line.error().message);
+    picks.push_back(*std::move(line));
   }
   return picks;
 }
 
 Result<Run> read_run(const fs::path& folder) {
+  auto run = read_run_state(folder);
+  if (!run) return run;
+  auto picks = read_picks(folder / "picks.jsonl");
+  if (!picks) return tl::unexpected(picks.error());
+  run->picks = *std::move(picks);
+  return run;
+}
+
+}  // namespace
+
+Result<PickLine> parse_pick_line(std::string_view json) {
+  try {
+    return pick_line(Json::parse(json));
+  } catch (const Json::exception& e) {
+    return invalid("no record of a pick ({})", e.what());
+  }
+}
+
+Result<Run> read_run_state(const fs::path& folder) {
   Run run;
   run.folder = folder;
   std::ifstream file(folder / "run.json");
@@ -63,16 +83,13 @@ Result<Run> read_run(const fs::path& folder) {
   } catch (const Json::exception& e) {
     return invalid("{}: says nothing about the run ({})", (folder / "run.json").string(), e.what());
   }
-  auto picks = read_picks(folder / "picks.jsonl");
-  if (!picks) return tl::unexpected(picks.error());
-  run.picks = *std::move(picks);
   return run;
 }
 
 std::vector<fs::path> run_folders(const fs::path& folder) {
-  std::vector<fs::path> folders;
-  if (fs::exists(folder / "picks.jsonl")) return {folder};
   std::error_code error;
+  if (fs::exists(folder / "picks.jsonl", error)) return {folder};
+  std::vector<fs::path> folders;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     if (it->path().filename() == "picks.jsonl") folders.push_back(it->path().parent_path());
@@ -80,8 +97,6 @@ std::vector<fs::path> run_folders(const fs::path& folder) {
   std::ranges::sort(folders);
   return folders;
 }
-
-}  // namespace
 
 Result<std::vector<Run>> read_runs(const fs::path& folder) {
   std::vector<Run> runs;
@@ -97,4 +112,4 @@ Result<std::vector<Run>> read_runs(const fs::path& folder) {
   return runs;
 }
 
-}  // namespace graspd::record
+}  // namespace graspd::pick_records
