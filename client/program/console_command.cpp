@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "exit_codes.hpp"
+#include "graspd/command_line/help.hpp"
 #include "graspd/command_line/installed.hpp"
 #include "graspd/console/console.hpp"
 #include "server_arguments.hpp"
@@ -115,11 +116,11 @@ void add_console_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--expose", arguments->expose,
                     "let other machines look, though nobody is asked for a password");
-  command->footer(
-      "It shows what others write, and writes nothing: --flights is the folder of flight_recorder "
-      "in server.yaml,\n--records what agents call 'records'. It listens on this machine alone; "
-      "from another, `ssh -L 8080:127.0.0.1:8080`.\n\n"
-      "Example: grasp console --flights /var/lib/graspd/flights --parts deploy/parts");
+  set_help(*command,
+           "It shows what others write, and writes nothing: --flights is the folder of "
+           "flight_recorder in server.yaml, --records what agents call 'records'. It listens on "
+           "this machine alone; from another, `ssh -L 8080:127.0.0.1:8080`.",
+           {"grasp console --flights build/flights --parts deploy/parts"});
   command->callback([arguments] { finish(serve(*arguments)); });
 }
 

@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "exit_codes.hpp"
+#include "graspd/command_line/help.hpp"
 #include "load_recording.hpp"
 #include "load_report.hpp"
 #include "server_arguments.hpp"
@@ -224,12 +225,12 @@ void add_load_command(CLI::App& app) {
   arguments->servers = ServerArguments().servers;
   CLI::App* command = app.add_subcommand("load", "put servers under load, as many cells");
   add_options(*command, *arguments);
-  command->footer(
+  set_help(
+      *command,
       "Open loop: requests are due at planned instants, whatever became of those before, and "
-      "latency counts from there.\n"
-      "fixed: cells take turns at equal distances; poisson: at random; recorded: each cell as its "
-      "frames were taken.\n\n"
-      "Example: grasp load build/scene=tee --cells 4 --rate 10 --out build/load");
+      "latency counts from there.\n\n fixed     cells take turns at equal distances\n poisson   "
+      "at random\n recorded  each cell as its frames were taken",
+      {"grasp load build/piles=tee --cells 4 --rate 4 --window-s 1 --out build/load"});
   command->callback([arguments] { finish(run(*arguments)); });
 }
 
