@@ -7,7 +7,7 @@ import { inverse, matrix_of, rays_through, shown_frame } from './geometry.js';
 
 const canvas = by_id('scene');
 const kMostParts_n = 256;
-const kAround_m = 0.06;
+const kWallReach_m = 0.006; // readings so near a wall are the wall's, which is drawn already
 const kCloudVertex = `
 uniform float size;
 varying float height;
@@ -70,9 +70,9 @@ export function make_scene() {
       colours[name] = new THREE.Color(css_colour(`--${name}`));
     }
     const is_dark = colours.ink.r > 0.5;
-    cloud_material.uniforms.low.value.set(is_dark ? 0x2e3c4c : 0xb4bfca);
-    cloud_material.uniforms.high.value.set(is_dark ? 0x9fb2c4 : 0x6b7c8d);
-    materials.part = new THREE.MeshStandardMaterial({ color: is_dark ? 0x8fa3b5 : 0x9fb0bf, roughness: 0.65, metalness: 0.1 });
+    cloud_material.uniforms.low.value.set(is_dark ? 0x2e3c4c : 0xc6cfd8);
+    cloud_material.uniforms.high.value.set(is_dark ? 0x9fb2c4 : 0x8796a5);
+    materials.part = new THREE.MeshStandardMaterial({ color: is_dark ? 0x8fa3b5 : 0x7f95a8, roughness: 0.65, metalness: 0.1 });
     materials.target = new THREE.MeshStandardMaterial({ color: colours.accent, roughness: 0.55 });
     materials.lit = new THREE.MeshStandardMaterial({ color: colours.near, roughness: 0.55 });
   }
@@ -92,10 +92,10 @@ export function make_scene() {
     return shapes.get(id);
   }
 
-  // What lies far from the bin is left out: it would hide what matters.
+  // What is not in the bin is left out: it would hide what matters.
   function show_cloud(flight, T_shown_camera) {
     const { x: long_m, y: wide_m } = flight.request.bin?.inner_size_m ?? { x: Infinity, y: Infinity };
-    const [most_x, most_y] = [long_m / 2 + kAround_m, wide_m / 2 + kAround_m];
+    const [most_x, most_y] = [long_m / 2 - kWallReach_m, wide_m / 2 - kWallReach_m];
     const { depth, depth_scale_m } = flight;
     const rays = rays_through(flight.camera);
     let positions = cloud.geometry.getAttribute('position');
@@ -254,7 +254,7 @@ export function make_scene() {
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
     camera.updateProjectionMatrix();
-    cloud_material.uniforms.size.value = height * Math.min(2, devicePixelRatio) * 0.0032;
+    cloud_material.uniforms.size.value = height * Math.min(2, devicePixelRatio) * 0.0026;
     invalidate();
   }
 
