@@ -100,7 +100,7 @@ struct Object {
   std::uint32_t id = 0;
   std::string part_id;
   Eigen::Isometry3d T_base_part = Eigen::Isometry3d::Identity();
-  double score = 0;             ///< in [0, 1], higher is more certain
+  double score = 0;             ///< in [0, 1]; of the default registration the pose's probability
   double visible_fraction = 0;  ///< of the model's surface that this view could show
   double inlier_fraction = 0;   ///< of the visible model points: a reading within tolerance
   double refuted_fraction = 0;  ///< of the visible model points: the camera saw through them
