@@ -83,7 +83,7 @@ TEST_F(GraspTest, NamedMethodsReachTheServer) {
   EXPECT_THAT(planned.output, HasSubstr(", 1 grasp\n"));
   const Finished unknown = grasp(question("bars.png") + "--part bar --segmentation kmeans");
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.output, HasSubstr("improved_dbscan | dbscan"));
+  EXPECT_THAT(unknown.output, HasSubstr("improved_dbscan,dbscan"));
 }
 
 TEST_F(GraspTest, SaysWhatIsWrongWithItsInput) {
