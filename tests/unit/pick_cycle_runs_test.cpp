@@ -12,7 +12,6 @@ namespace {
 
 using pick_records::read_runs;
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
