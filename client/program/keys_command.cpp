@@ -72,11 +72,12 @@ void add_keys_command(CLI::App& app) {
   const auto arguments = std::make_shared<KeysArguments>();
   CLI::App* keys = app.add_subcommand("keys", "make keys, and say which cells may use a server");
   keys->require_subcommand(1);
+  const std::string serve =
+      "grasp_server serve --config deploy/server.yaml --key build/keys/server.key \\\n    "
+      "--allowed-cells build/keys/allowed_cells";
   set_help(*keys, "",
            {"grasp keys new server --out build/keys", "grasp keys new tees --out build/keys",
-            "grasp keys allow build/keys/tees.pub --list build/keys/allowed_cells",
-            "grasp_server serve --config deploy/server.yaml --key build/keys/server.key \\\n    "
-            "--allowed-cells build/keys/allowed_cells",
+            "grasp keys allow build/keys/tees.pub --list build/keys/allowed_cells", serve,
             "grasp health --server-key build/keys/server.pub --key build/keys/tees.key"});
 
   CLI::App* command = keys->add_subcommand("new", "make a key pair; never overwrites one");

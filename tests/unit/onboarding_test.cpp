@@ -20,7 +20,6 @@ namespace graspd::onboarding {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 /// Through a folder of parts, as the command makes it.
 parts::Part part_of(const parts::Mesh& mesh) {
