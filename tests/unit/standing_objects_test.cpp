@@ -91,6 +91,10 @@ TEST_F(StandingObjects, WhatNobodyTouchedStands) {
     const PlanAnswer answer = plan_of(blocks_);
     EXPECT_EQ(answer.outcome, Outcome::kUnchanged) << answer.reason;
     EXPECT_EQ(ids_of(answer), ids_of(first));
+    for (std::size_t i = 0; i < first.objects.size(); ++i) {
+      EXPECT_GT(first.objects[i].score, 0);
+      EXPECT_EQ(answer.objects.at(i).score, first.objects[i].score) << "as probable as before";
+    }
     EXPECT_FALSE(answer.grasps.empty());
     EXPECT_TRUE(answer.fill_level);
     EXPECT_EQ(answer.funnel.segments_n, 0U) << "nothing was segmented";

@@ -62,7 +62,9 @@ std::optional<std::vector<StandingObject>> standing_objects(const LastPlan& last
     const PoseVerifier verifier(grid, {&part, 1}, parameters.registration);
     PoseHypothesis pose = PoseHypothesis::of(T_camera_base * object.T_base_part);
     verifier.score(pose, PoseVerifier::kAllPoints, tolerance_m);
-    const Evidence evidence = evidence_of(pose);
+    Evidence evidence = evidence_of(pose);
+    // As probable as it was when it was found: nothing moved.
+    evidence.score = std::clamp(object.score, 0.0, 1.0);
     if (object.id == last_plan.picked_object_id) {
       if (evidence.visible_fraction > kStillThere * object.visible_fraction) return std::nullopt;
       continue;

@@ -100,9 +100,9 @@ void refine_alone(const PoseVerifier& verifier, const Scene& scene,
   std::erase_if(poses, [](const PoseHypothesis& pose) { return pose.score <= 0; });
 }
 
-/// No other part's barycentre can be nearer.
-float reach_m(const PoseVerifier& verifier, const PoseHypothesis& pose) {
-  return static_cast<float>(kSamePartShare * verifier.part(pose).diameter_m);
+Place place_of(const PoseVerifier& verifier, const PoseHypothesis& pose) {
+  return {verifier.barycentre_m(pose),
+          static_cast<float>(kSamePartShare * verifier.part(pose).diameter_m)};
 }
 
 std::vector<std::uint32_t> choose(const DepthGrid& grid, const PoseVerifier& verifier,
@@ -115,9 +115,8 @@ std::vector<std::uint32_t> choose(const DepthGrid& grid, const PoseVerifier& ver
     const PoseHypothesis& pose = poses[i];
     const float pixel_m = pose.t_m.z() / grid.fx_px;
     const float weight = kImprobableWeight + (1 - kImprobableWeight) * pose.confidence;
-    candidates.push_back({verifier.barycentre_m(pose), reach_m(verifier, pose),
-                          weight * verifier.explained_area_m2(pose), pixel_m * pixel_m,
-                          supporting.of(i)});
+    candidates.push_back({place_of(verifier, pose), weight * verifier.explained_area_m2(pose),
+                          pixel_m * pixel_m, supporting.of(i)});
   }
   return choose_explanation(candidates, grid.size());
 }
@@ -139,8 +138,7 @@ void explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
     const auto refusal = verifier.refine(pose);
     nearest_miss.add(pose.fit, refusal);
     const auto is_there_already = [&](const ExplainedPart& other) {
-      return (verifier.barycentre_m(pose) - verifier.barycentre_m(other.pose)).norm() <
-             std::min(reach_m(verifier, pose), reach_m(verifier, other.pose));
+      return is_same_place(place_of(verifier, pose), place_of(verifier, other.pose));
     };
     if (refusal || std::ranges::any_of(explanation.parts, is_there_already)) continue;
     explanation.parts.push_back({pose, verifier.explained_cells(pose, kClaimTolerance_m)});

@@ -24,7 +24,7 @@ constexpr float kSmallError2 = 4;
 constexpr float kAgreeingCosine = 0.9F;
 constexpr float kOpposingCosine = 0.5F;
 
-/// Log odds that a pose is right: logistic regression on 12,080 refined poses of 108 simulated
+/// Log odds that a pose is right: logistic regression on 12,080 refined poses of 60 simulated
 /// tuning frames, of our six parts at 0.7 and 0.9 m. Fitted on five parts, the sixth's poses were
 /// in the right order with AUC 0.94; the score alone reaches 0.90.
 struct LogOdds {

@@ -11,10 +11,6 @@ namespace {
 constexpr float kSharedCost = 1.3F;
 constexpr int kMaxRounds = 4;
 
-bool is_same_part(const Candidate& a, const Candidate& b) {
-  return (a.barycentre_m - b.barycentre_m).norm() < std::min(a.reach_m, b.reach_m);
-}
-
 /// The candidates at each cell.
 class CandidatesByCell {
  public:
@@ -66,7 +62,7 @@ class Selection {
   float gain_m2(std::uint32_t index) const {
     const Candidate& candidate = candidates_[index];
     const auto is_there_already = [&](std::uint32_t other) {
-      return is_same_part(candidate, candidates_[other]);
+      return is_same_place(candidate.place, candidates_[other].place);
     };
     if (std::any_of(chosen_.begin(), chosen_.end(), is_there_already)) return 0;
     const auto shared_n = std::count_if(candidate.cells.begin(), candidate.cells.end(),

@@ -1,16 +1,27 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace graspd::perception {
 
+/// Where a part is.
+struct Place {
+  Eigen::Vector3f barycentre_m;
+  float reach_m;  ///< no other part's barycentre can be nearer
+};
+
+/// Whether there is no room for two parts there.
+inline bool is_same_place(const Place& a, const Place& b) {
+  return (a.barycentre_m - b.barycentre_m).norm() < std::min(a.reach_m, b.reach_m);
+}
+
 /// A pose that the image allows, as if it were alone.
 struct Candidate {
-  Eigen::Vector3f barycentre_m;
-  float reach_m;                         ///< no other part's barycentre can be nearer
+  Place place;
   float area_m2;                         ///< of the image's surface that it explains
   float cell_m2;                         ///< of that surface, to a reading
   std::span<const std::uint32_t> cells;  ///< the readings that support it
