@@ -23,13 +23,13 @@ struct SimulateArguments {
   fs::path camera;
   fs::path output;
   std::vector<double> bin_size_m;
-  sim_cell::SceneOptions scene;
+  simulation::SceneOptions scene;
 };
 
 /// "tee=45"
-Result<sim_cell::PartCount> parse_part(const std::string& text) {
+Result<simulation::PartCount> parse_part(const std::string& text) {
   const auto equals = text.find('=');
-  sim_cell::PartCount part{text.substr(0, equals), 0};
+  simulation::PartCount part{text.substr(0, equals), 0};
   const char* const end = text.data() + text.size();
   const char* const number = equals == std::string::npos ? end : text.data() + equals + 1;
   const auto [last, error] = std::from_chars(number, end, part.count_n);
@@ -39,8 +39,8 @@ Result<sim_cell::PartCount> parse_part(const std::string& text) {
   return part;
 }
 
-Result<sim_cell::SceneOptions> scene_options(const SimulateArguments& arguments) {
-  sim_cell::SceneOptions scene = arguments.scene;
+Result<simulation::SceneOptions> scene_options(const SimulateArguments& arguments) {
+  simulation::SceneOptions scene = arguments.scene;
   for (const std::string& text : arguments.parts) {
     auto part = parse_part(text);
     if (!part) return tl::unexpected(part.error());
@@ -121,7 +121,7 @@ void add_simulate_command(CLI::App& app) {
   const auto arguments = std::make_shared<SimulateArguments>();
   arguments->catalogue = installed("usr/share/graspd/parts");
   if (arguments->catalogue.empty()) arguments->catalogue = "deploy/parts";
-  sim_cell::SceneOptions& scene = arguments->scene;
+  simulation::SceneOptions& scene = arguments->scene;
   CLI::App* command =
       app.add_subcommand("simulate", "record piles of parts under a simulated Kinect v2");
   command->add_option("--part", arguments->parts, "drop so many of this part; may be repeated")

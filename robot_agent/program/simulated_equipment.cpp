@@ -17,7 +17,7 @@ struct Simulated {
 /// The parts that may be in the bin.
 struct Kinds {
   std::vector<parts::Mesh> meshes;
-  std::vector<sim_cell::Rgb> colors;
+  std::vector<simulation::Rgb> colors;
 };
 
 Result<Kinds> kinds_of(const CellConfig& config) {
@@ -57,7 +57,7 @@ Result<Equipment> make_simulated_equipment(const CellConfig& config) {
   if (!kinds) return tl::unexpected(kinds.error());
   const auto simulated = std::make_shared<Simulated>();
   simulated->kinds = std::move(kinds->meshes);
-  const sim_cell::PileMaker piles(simulated->kinds);
+  const simulation::PileMaker piles(simulated->kinds);
   const std::vector<int> counts(simulated->kinds.size(),
                                 static_cast<int>(config.arm.pile->count_n));
   const auto pile = piles.drop(counts, config.bin->inner_size_m, config.arm.pile->seed);

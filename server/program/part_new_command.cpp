@@ -77,7 +77,7 @@ Result<onboarding::ForecastOptions> options_of(const NewArguments& arguments) {
   return options;
 }
 
-parts::SensorResolution resolution_of(const sim_cell::SceneOptions& scene) {
+parts::SensorResolution resolution_of(const simulation::SceneOptions& scene) {
   return {scene.sensor.camera.fx_px, scene.camera_height_m};
 }
 

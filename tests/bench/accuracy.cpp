@@ -15,7 +15,7 @@
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/eval/mesh_part.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 #include "piles.hpp"
 
 namespace graspd::bench {
@@ -42,8 +42,8 @@ struct Options {
 /// What lies in the bin together, and what the planner is asked to look for.
 using Kinds = std::vector<const parts::Part*>;
 
-sim_cell::SceneOptions scene_of(const Kinds& kinds, int k, const Options& options) {
-  sim_cell::SceneOptions scene;
+simulation::SceneOptions scene_of(const Kinds& kinds, int k, const Options& options) {
+  simulation::SceneOptions scene;
   const auto number = static_cast<std::size_t>(k);
   const std::size_t view = number % (kCameraHeights_m.size() * kCameraTilts_rad.size());
   scene.camera_height_m = kCameraHeights_m[view % kCameraHeights_m.size()];
@@ -65,8 +65,8 @@ Result<Measured> measure(const Kinds& kinds, const parts::Catalogue& catalogue,
   for (const parts::Part* part : kinds) ids.push_back(part->id);
   Measured measured;
   for (int k = 0; k < options.frames_n; ++k) {
-    const sim_cell::SceneOptions scene = scene_of(kinds, k, options);
-    const auto maker = sim_cell::SceneMaker::create(catalogue, scene);
+    const simulation::SceneOptions scene = scene_of(kinds, k, options);
+    const auto maker = simulation::SceneMaker::create(catalogue, scene);
     if (!maker) return tl::unexpected(maker.error());
     auto image = maker->make(k);
     if (!image) return tl::unexpected(image.error());

@@ -104,8 +104,8 @@ Table record_table() {
 void add_records(const eval::PoseAccuracy& accuracy, const Frame& frame,
                  const parts::Catalogue& catalogue, Table& records) {
   int parts_n = 0;
-  const sim_cell::SceneOptions& scene = frame.scene;
-  for (const sim_cell::PartCount& count : scene.parts) parts_n += count.count_n;
+  const simulation::SceneOptions& scene = frame.scene;
+  for (const simulation::PartCount& count : scene.parts) parts_n += count.count_n;
   const auto add = [&](int obj_id, std::string_view record, std::vector<std::string> numbers) {
     std::vector<std::string> row{catalogue.find_bop(obj_id)->id,
                                  std::to_string(frame.k),

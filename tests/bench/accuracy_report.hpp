@@ -8,7 +8,7 @@
 #include "graspd/eval/pose_accuracy.hpp"
 #include "graspd/formats/table.hpp"
 #include "graspd/parts/catalogue.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 
 /// What `./run bench accuracy` prints and writes.
 namespace graspd::bench {
@@ -26,7 +26,7 @@ std::vector<std::string> row_of(const std::string& name, const Measured& measure
 
 struct Frame {
   int k = 0;
-  const sim_cell::SceneOptions& scene;
+  const simulation::SceneOptions& scene;
 };
 
 /// A row for each answer and each missed object.

@@ -70,9 +70,9 @@ ByStage count_one(const BopImage& image, const PlanRequest& request,
 /// One entry for each frame, of the last of several plans of it.
 std::vector<ByStage> count_part(const parts::Catalogue& catalogue, const parts::Part& part,
                                 const Options& options) {
-  sim_cell::SceneOptions scene = pile_of(part, options.parts_per_frame_n);
+  simulation::SceneOptions scene = pile_of(part, options.parts_per_frame_n);
   scene.seed = options.seed;
-  const auto maker = sim_cell::SceneMaker::create(catalogue, scene);
+  const auto maker = simulation::SceneMaker::create(catalogue, scene);
   if (!maker) throw std::runtime_error(maker.error().message);
   const perception::Parameters parameters;
   std::vector<ByStage> counted;

@@ -85,7 +85,7 @@ Result<std::vector<T>> chosen(std::vector<T> all, const std::vector<std::string>
 Result<void> run_part(const parts::Part& part, const std::vector<Pipeline>& pipelines,
                       const Options& options, robot_agent::CellConfig cell, const Carrier& carrier,
                       agent::Planner& planner, CellLog& log) {
-  const sim_cell::PileMaker piles({part.mesh});
+  const simulation::PileMaker piles({part.mesh});
   const int piles_n = options.piles_n > 0 ? options.piles_n
                       : part.id == "tee"  ? options.tee_piles_n
                                           : options.other_piles_n;

@@ -131,7 +131,7 @@ std::vector<Pipeline> all_pipelines() {
           made("verified_ascending", S::kGridDbscan, R::kVerified, GraspOrder::kAscending)};
 }
 
-Result<BinRow> empty_bin(const BinJob& job, const sim_cell::PileMaker& piles,
+Result<BinRow> empty_bin(const BinJob& job, const simulation::PileMaker& piles,
                          agent::Planner& planner,
                          const std::function<void(const PickRow&)>& on_pick) {
   const auto wall_start = std::chrono::steady_clock::now();

@@ -10,8 +10,8 @@
 #include "cell_config.hpp"
 #include "graspd/agent/ports.hpp"
 #include "graspd/parts/catalogue.hpp"
-#include "graspd/sim_cell/pile.hpp"
 #include "graspd/simulated/sim_cell.hpp"
+#include "graspd/simulation/pile.hpp"
 
 /// What `./run bench cell` does with one bin.
 namespace graspd::bench {
@@ -60,7 +60,7 @@ struct BinJob {
 };
 
 /// Has the agent empty a bin. \param on_pick called after each pick's verdict.
-Result<BinRow> empty_bin(const BinJob& job, const sim_cell::PileMaker& piles,
+Result<BinRow> empty_bin(const BinJob& job, const simulation::PileMaker& piles,
                          agent::Planner& planner,
                          const std::function<void(const PickRow&)>& on_pick);
 

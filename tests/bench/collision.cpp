@@ -16,7 +16,7 @@
 #include "graspd/formats/table.hpp"
 #include "graspd/perception/grasp_planning.hpp"
 #include "graspd/perception/preprocess.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 
 namespace graspd {
 namespace {
@@ -173,10 +173,10 @@ void compare(const Frame& frame, Measured& measured) {
 
 Result<Measured> measure(const parts::Catalogue& catalogue, const parts::Part& part,
                          const Options& options) {
-  sim_cell::SceneOptions scene_options;
+  simulation::SceneOptions scene_options;
   scene_options.parts = {{part.id, options.parts_per_frame_n}};
   scene_options.seed = options.seed;
-  const auto maker = sim_cell::SceneMaker::create(catalogue, scene_options);
+  const auto maker = simulation::SceneMaker::create(catalogue, scene_options);
   if (!maker) return tl::unexpected(maker.error());
   Measured measured;
   for (int k = 0; k < options.frames_n; ++k) {

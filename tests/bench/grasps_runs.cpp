@@ -8,7 +8,7 @@
 #include "graspd/eval/pose_error.hpp"
 #include "graspd/judge/grasp_search.hpp"
 #include "graspd/perception/planner.hpp"
-#include "graspd/sim_cell/bin_mesh.hpp"
+#include "graspd/simulation/bin_mesh.hpp"
 
 namespace graspd::bench {
 namespace {
@@ -142,16 +142,16 @@ std::vector<ScoredPart> scored_parts(const PlanAnswer& from_truth, const judge::
 }
 
 DepthFrame frame_without(std::size_t taken, const Question& question, const Pile& pile) {
-  const parts::Mesh bin = sim_cell::bin_mesh(pile.scene.bin_inner_size_m, pile.scene.bin_wall_m);
+  const parts::Mesh bin = simulation::bin_mesh(pile.scene.bin_inner_size_m, pile.scene.bin_wall_m);
   const Eigen::Isometry3d T_camera_bin = question.image.bin->T_camera_bin;
-  std::vector<sim_cell::SceneObject> scene{{&bin, T_camera_bin}};
+  std::vector<simulation::SceneObject> scene{{&bin, T_camera_bin}};
   const auto& parts = question.judge.parts();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (i == taken) continue;
     scene.push_back({&parts[i].part->mesh, T_camera_bin * parts[i].T_bin_part, pile.scene.gloss});
   }
-  const sim_cell::Walls walls{T_camera_bin, pile.scene.bin_inner_size_m};
-  return sim_cell::observe(scene, pile.scene.sensor, pile.scene.seed + kSecondFrameSeed, &walls);
+  const simulation::Walls walls{T_camera_bin, pile.scene.bin_inner_size_m};
+  return simulation::observe(scene, pile.scene.sensor, pile.scene.seed + kSecondFrameSeed, &walls);
 }
 
 Result<AfterPick> measure_after_pick(const PlanAnswer& before, std::size_t taken,
@@ -199,7 +199,7 @@ std::vector<JudgedGrasp> JudgedPlan::first_of_objects() const {
 
 Result<JudgedPile> judge_pile(const Pile& pile, const parts::Catalogue& catalogue,
                               const perception::Parameters& parameters) {
-  const auto maker = sim_cell::SceneMaker::create(catalogue, pile.scene);
+  const auto maker = simulation::SceneMaker::create(catalogue, pile.scene);
   if (!maker) return tl::unexpected(maker.error());
   const auto image = maker->make(0);
   if (!image) return tl::unexpected(image.error());

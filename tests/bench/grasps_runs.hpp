@@ -7,7 +7,7 @@
 #include "graspd/judge/grasp_judge.hpp"
 #include "graspd/parts/catalogue.hpp"
 #include "graspd/perception/parameters.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 #include "graspd/types/answer.hpp"
 
 /// What `./run bench grasps` does with one pile.
@@ -49,7 +49,7 @@ struct AfterPick {
 
 struct Pile {
   const parts::Part* part = nullptr;
-  sim_cell::SceneOptions scene;  ///< its first frame
+  simulation::SceneOptions scene;  ///< its first frame
 };
 
 struct JudgedPile {

@@ -52,12 +52,12 @@ double resident_mb(int pid) {
   throw std::runtime_error(fmt::format("process {}: has ended, or is no worker of ours", pid));
 }
 
-void add_questions(const sim_cell::SceneOptions& scene, int frames_n,
+void add_questions(const simulation::SceneOptions& scene, int frames_n,
                    const parts::Catalogue& catalogue, std::vector<Question>& questions) {
-  const auto maker = sim_cell::SceneMaker::create(catalogue, scene);
+  const auto maker = simulation::SceneMaker::create(catalogue, scene);
   if (!maker) throw std::runtime_error(maker.error().message);
   std::vector<std::string> ids;
-  for (const sim_cell::PartCount& kind : scene.parts) ids.push_back(kind.part_id);
+  for (const simulation::PartCount& kind : scene.parts) ids.push_back(kind.part_id);
   for (int k = 0; k < frames_n; ++k) {
     auto image = maker->make(k);
     if (!image) throw std::runtime_error(image.error().message);
@@ -75,7 +75,7 @@ Questions make_questions(const Options& options) {
   const auto catalogue = parts::Catalogue::load(options.parts);
   if (!catalogue) throw std::runtime_error(catalogue.error().message);
   Questions questions;
-  sim_cell::SceneOptions mixed;
+  simulation::SceneOptions mixed;
   const auto kinds_n = static_cast<int>(catalogue->parts().size());
   for (const parts::Part& part : catalogue->parts()) {
     add_questions(pile_of(part, options.light_parts_n), kLightFrames, *catalogue, questions.light);

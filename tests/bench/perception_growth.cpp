@@ -50,10 +50,10 @@ Result<std::vector<GrowthRun>> measure_growth(
   const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
   std::vector<GrowthRun> runs;
   for (const int asked_n : kNumbers) {
-    sim_cell::SceneOptions scene = pile_of(*part, asked_n);
+    simulation::SceneOptions scene = pile_of(*part, asked_n);
     scene.bin_inner_size_m = kBinInnerSize_m;
     scene.seed = options.seed;
-    const auto maker = sim_cell::SceneMaker::create(catalogue, scene);
+    const auto maker = simulation::SceneMaker::create(catalogue, scene);
     if (!maker) return tl::unexpected(maker.error());
     for (int k = 0; k < options.frames_n; ++k) {
       progress(fmt::format("{} parts: frame {} of {}", asked_n, k + 1, options.frames_n));

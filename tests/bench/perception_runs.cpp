@@ -9,7 +9,7 @@
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/perception/planner.hpp"
 #include "graspd/perception/preprocess.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 #include "peers/peers.hpp"
 #include "piles.hpp"
 
@@ -46,9 +46,9 @@ class Frames {
                                const PerceptionOptions& options) {
     Frames frames;
     for (const double height_m : kCameraHeights_m) {
-      sim_cell::SceneOptions scene = pile_of(part, options.parts_per_frame_n, height_m);
+      simulation::SceneOptions scene = pile_of(part, options.parts_per_frame_n, height_m);
       scene.seed = options.seed;
-      auto maker = sim_cell::SceneMaker::create(catalogue, scene);
+      auto maker = simulation::SceneMaker::create(catalogue, scene);
       if (!maker) return tl::unexpected(maker.error());
       frames.makers_.push_back(*std::move(maker));
     }
@@ -58,7 +58,7 @@ class Frames {
   Result<BopImage> make(int k) const { return makers_[k % makers_.size()].make(k); }
 
  private:
-  std::vector<sim_cell::SceneMaker> makers_;
+  std::vector<simulation::SceneMaker> makers_;
 };
 
 /// Best score first, without those in a place that a better one has.

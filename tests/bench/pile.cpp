@@ -163,8 +163,8 @@ Result<Measured> measure(const parts::Catalogue& catalogue, const Options& optio
     kinds.push_back(&part);
     meshes.push_back(part.mesh);
   }
-  const sim_cell::PileMaker maker(meshes);
-  const sim_cell::PilePhysics physics(meshes);
+  const simulation::PileMaker maker(meshes);
+  const simulation::PilePhysics physics(meshes);
   const auto kinds_n = static_cast<int>(kinds.size());
   Measured measured;
   std::mt19937 random(1);

@@ -10,14 +10,14 @@ constexpr double kTakenAlong_m = 0.03;
 
 }  // namespace
 
-PileTruth::PileTruth(const sim_cell::Pile& pile, const Eigen::Vector3d& bin_inner_size_m,
+PileTruth::PileTruth(const simulation::Pile& pile, const Eigen::Vector3d& bin_inner_size_m,
                      const std::vector<const parts::Part*>& kinds,
-                     const sim_cell::PilePhysics& physics)
+                     const simulation::PilePhysics& physics)
     : physics_(&physics), bin_inner_size_m_(bin_inner_size_m), piled_(pile.parts) {
-  for (const sim_cell::PiledPart& part : piled_) {
+  for (const simulation::PiledPart& part : piled_) {
     parts_.push_back({kinds[part.kind], part.T_bin_part});
   }
-  for (const sim_cell::Bearing& bearing : physics.bearings(piled_, bin_inner_size_m_)) {
+  for (const simulation::Bearing& bearing : physics.bearings(piled_, bin_inner_size_m_)) {
     shares_[{bearing.upper, bearing.lower}] = bearing.share;
   }
 }
@@ -37,7 +37,7 @@ bool PileTruth::is_supporting(std::size_t part) const {
   return false;
 }
 
-const std::vector<sim_cell::Moved>& PileTruth::lift(std::size_t part) const {
+const std::vector<simulation::Moved>& PileTruth::lift(std::size_t part) const {
   auto found = lifts_.find(part);
   if (found == lifts_.end()) {
     found = lifts_.emplace(part, physics_->lift(part, piled_, bin_inner_size_m_)).first;
@@ -47,11 +47,11 @@ const std::vector<sim_cell::Moved>& PileTruth::lift(std::size_t part) const {
 }
 
 double PileTruth::disturbance_m(std::size_t part) const {
-  return std::ranges::max(lift(part), {}, &sim_cell::Moved::way_m).way_m;
+  return std::ranges::max(lift(part), {}, &simulation::Moved::way_m).way_m;
 }
 
 bool PileTruth::takes_along(std::size_t part) const {
-  return std::ranges::max(lift(part), {}, &sim_cell::Moved::rise_m).rise_m > kTakenAlong_m;
+  return std::ranges::max(lift(part), {}, &simulation::Moved::rise_m).rise_m > kTakenAlong_m;
 }
 
 double Separation::auc() const {

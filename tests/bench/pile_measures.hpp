@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "graspd/perception/placed_part.hpp"
-#include "graspd/sim_cell/pile_physics.hpp"
+#include "graspd/simulation/pile_physics.hpp"
 
 /// A pile's graph and ranking against what physics says of the pile.
 namespace graspd::bench {
@@ -16,26 +16,26 @@ namespace graspd::bench {
 class PileTruth {
  public:
   /// \param kinds of the pile, as `physics` knows them.
-  PileTruth(const sim_cell::Pile& pile, const Eigen::Vector3d& bin_inner_size_m,
-            const std::vector<const parts::Part*>& kinds, const sim_cell::PilePhysics& physics);
+  PileTruth(const simulation::Pile& pile, const Eigen::Vector3d& bin_inner_size_m,
+            const std::vector<const parts::Part*>& kinds, const simulation::PilePhysics& physics);
 
   const std::vector<perception::PlacedPart>& parts() const { return parts_; }
   /// One part bears a tenth of another's weight or more, and is not borne by it even more.
   bool lies_on(std::size_t upper, std::size_t lower) const;
   bool is_supporting(std::size_t part) const;
   /// How the others move when this one is lifted straight up. Computed when first asked.
-  const std::vector<sim_cell::Moved>& lift(std::size_t part) const;
+  const std::vector<simulation::Moved>& lift(std::size_t part) const;
   /// The farthest way that another part goes; the highest rise.
   double disturbance_m(std::size_t part) const;
   bool takes_along(std::size_t part) const;
 
  private:
-  const sim_cell::PilePhysics* physics_;
+  const simulation::PilePhysics* physics_;
   Eigen::Vector3d bin_inner_size_m_;
   std::vector<perception::PlacedPart> parts_;
-  std::vector<sim_cell::PiledPart> piled_;
+  std::vector<simulation::PiledPart> piled_;
   std::map<std::pair<std::size_t, std::size_t>, double> shares_;  ///< (upper, lower)
-  mutable std::map<std::size_t, std::vector<sim_cell::Moved>> lifts_;
+  mutable std::map<std::size_t, std::vector<simulation::Moved>> lifts_;
 };
 
 struct Agreement {

@@ -1,12 +1,13 @@
 #pragma once
 
 #include "graspd/parts/catalogue.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 
 /// What the benches of perception plan on.
 namespace graspd::bench {
 
 /// Frames of one kind of part in our bin, the camera straight above it.
-sim_cell::SceneOptions pile_of(const parts::Part& part, int parts_n, double camera_height_m = 0.75);
+simulation::SceneOptions pile_of(const parts::Part& part, int parts_n,
+                                 double camera_height_m = 0.75);
 
 }  // namespace graspd::bench

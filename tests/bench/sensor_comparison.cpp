@@ -9,9 +9,9 @@
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/bop.hpp"
 #include "graspd/formats/table.hpp"
-#include "graspd/sim_cell/bin_mesh.hpp"
-#include "graspd/sim_cell/kinect_v2.hpp"
-#include "graspd/sim_cell/pile.hpp"
+#include "graspd/simulation/bin_mesh.hpp"
+#include "graspd/simulation/kinect_v2.hpp"
+#include "graspd/simulation/pile.hpp"
 #include "sensor_comparison_measures.hpp"
 
 namespace graspd::bench {
@@ -52,17 +52,17 @@ Eigen::Isometry3d pose_of_bin() {
   return T_camera_bin;
 }
 
-Result<DepthFrame> simulate(const sim_cell::PileMaker& piles, const parts::Mesh& tee,
+Result<DepthFrame> simulate(const simulation::PileMaker& piles, const parts::Mesh& tee,
                             const CameraIntrinsics& camera, std::uint64_t seed) {
   const auto pile = piles.drop({kTees}, kShaftSize_m, seed);
   if (!pile) return tl::unexpected(pile.error());
   const Eigen::Isometry3d T_camera_bin = pose_of_bin();
-  const parts::Mesh bin = sim_cell::bin_mesh(kBinInnerSize_m, kWall_m);
-  std::vector<sim_cell::SceneObject> scene{{&bin, T_camera_bin}};
+  const parts::Mesh bin = simulation::bin_mesh(kBinInnerSize_m, kWall_m);
+  std::vector<simulation::SceneObject> scene{{&bin, T_camera_bin}};
   for (const auto& part : pile->parts) scene.push_back({&tee, T_camera_bin * part.T_bin_part});
-  sim_cell::KinectV2Parameters sensor;
+  simulation::KinectV2Parameters sensor;
   sensor.camera = camera;
-  const sim_cell::Walls walls{T_camera_bin, kBinInnerSize_m};
+  const simulation::Walls walls{T_camera_bin, kBinInnerSize_m};
   return observe(scene, sensor, seed, &walls);
 }
 
@@ -110,7 +110,7 @@ Result<void> run(const Options& options) {
                                     parts::LengthUnit::kMillimetre);
   if (!tee) return tl::unexpected(tee.error());
 
-  const sim_cell::PileMaker piles({*tee});
+  const simulation::PileMaker piles({*tee});
   std::vector<SensorMeasures> simulated;
   for (int k = 0; k < options.frames_n; ++k) {
     const auto frame = simulate(piles, *tee, real->frame.camera, options.seed + std::uint64_t(k));

@@ -14,7 +14,7 @@
 #include "graspd/formats/table.hpp"
 #include "graspd/perception/preprocess.hpp"
 #include "graspd/perception/segmentation.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 
 namespace graspd {
 namespace {
@@ -43,10 +43,10 @@ constexpr auto& kMethods = EnumNames<Segmentation>::values;
 
 Result<ByMethod> measure_part(const parts::Catalogue& catalogue, const parts::Part& part,
                               const Options& options, Table& frames) {
-  sim_cell::SceneOptions scene_options;
+  simulation::SceneOptions scene_options;
   scene_options.parts = {{part.id, options.parts_per_frame_n}};
   scene_options.seed = options.seed;
-  const auto maker = sim_cell::SceneMaker::create(catalogue, scene_options);
+  const auto maker = simulation::SceneMaker::create(catalogue, scene_options);
   if (!maker) return tl::unexpected(maker.error());
   // The best on the tuning frames, as are the defaults of the other methods; the defaults of these
   // two were chosen on real frames, which are thinner.

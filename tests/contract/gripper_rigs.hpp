@@ -49,8 +49,8 @@ class SimulatedGripperRig final : public GripperRig {
   agent::Gripper& gripper() override { return cell_->gripper(); }
 
  private:
-  static sim_cell::Pile one_box() {
-    sim_cell::Pile pile;
+  static simulation::Pile one_box() {
+    simulation::Pile pile;
     pile.parts.push_back({0, at(0, 0, 0.02)});
     return pile;
   }

@@ -8,7 +8,7 @@
 
 #include "graspd/parts/part.hpp"
 #include "graspd/perception/pile_graph.hpp"
-#include "graspd/sim_cell/pile_physics.hpp"
+#include "graspd/simulation/pile_physics.hpp"
 
 namespace graspd {
 namespace {
@@ -24,7 +24,7 @@ parts::Part load(const std::string& id) {
   return parts::make_part(parts::read_part_file(file).value()).value();
 }
 
-std::vector<perception::PlacedPart> placed(const std::vector<sim_cell::PiledPart>& pile,
+std::vector<perception::PlacedPart> placed(const std::vector<simulation::PiledPart>& pile,
                                            const std::vector<parts::Part>& kinds) {
   std::vector<perception::PlacedPart> parts;
   for (const auto& part : pile) parts.push_back({&kinds[part.kind], part.T_bin_part});
@@ -33,10 +33,10 @@ std::vector<perception::PlacedPart> placed(const std::vector<sim_cell::PiledPart
 
 TEST(PileGraphPhysics, WhoBearsWhomInAPileOfTees) {
   const std::vector<parts::Part> kinds = {load("tee")};
-  const auto pile = sim_cell::PileMaker({kinds[0].mesh}).drop({18}, kBin_m, 5);
+  const auto pile = simulation::PileMaker({kinds[0].mesh}).drop({18}, kBin_m, 5);
   ASSERT_TRUE(pile) << pile.error().message;
   std::map<std::pair<std::size_t, std::size_t>, double> share;
-  const sim_cell::PilePhysics physics({kinds[0].mesh});
+  const simulation::PilePhysics physics({kinds[0].mesh});
   for (const auto& bearing : physics.bearings(pile->parts, kBin_m)) {
     share[{bearing.upper, bearing.lower}] = bearing.share;
   }
@@ -69,7 +69,7 @@ TEST(PileGraphPhysics, WhoBearsWhomInAPileOfTees) {
 TEST(PileGraphPhysics, ABoltThroughARingIsEntangledAndEachTakesTheOtherAlong) {
   const std::vector<parts::Part> kinds = {load("flanged_ring"), load("hex_bolt")};
   const Eigen::AngleAxisd lying(-M_PI / 2, Eigen::Vector3d::UnitX());  // z becomes y
-  std::vector<sim_cell::PiledPart> pile(3);
+  std::vector<simulation::PiledPart> pile(3);
   pile[0] = {0, Eigen::Translation3d(0, 0, 0.028) * lying};
   pile[1] = {1, Eigen::Translation3d(0, 0.028, 0.0215) * lying};
   pile[2] = {1, Eigen::Translation3d(0.07, 0, 0.014) * lying};
@@ -79,7 +79,7 @@ TEST(PileGraphPhysics, ABoltThroughARingIsEntangledAndEachTakesTheOtherAlong) {
   EXPECT_THAT(graph.entangled_with[1], ElementsAre(0));
   EXPECT_TRUE(graph.is_free(2));
 
-  const sim_cell::PilePhysics physics({kinds[0].mesh, kinds[1].mesh});
+  const simulation::PilePhysics physics({kinds[0].mesh, kinds[1].mesh});
   for (const std::size_t lifted : {0U, 1U}) {
     const auto moved = physics.lift(lifted, pile, kBin_m);
     EXPECT_GT(moved[1 - lifted].rise_m, kTakenAlong_m) << "with " << lifted;

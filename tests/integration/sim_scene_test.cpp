@@ -3,8 +3,8 @@
 #include <map>
 
 #include "graspd/recordings/rawlog.hpp"
-#include "graspd/sim_cell/render.hpp"
 #include "graspd/sim_cell/scene_folder.hpp"
+#include "graspd/simulation/render.hpp"
 #include "temporary_folder.hpp"
 
 namespace graspd::sim_cell {
@@ -31,7 +31,7 @@ class SimSceneTest : public ::testing::Test {
   }
 
   parts::Catalogue catalogue;
-  SceneOptions options;
+  simulation::SceneOptions options;
   testing::TemporaryFolder folder;
   std::filesystem::path scene_path = folder.path() / "000001";
 };
@@ -54,7 +54,7 @@ TEST_F(SimSceneTest, BopSceneAndRawlogHoldWhatWasMade) {
   EXPECT_EQ(report->frames_n, 3);
   EXPECT_EQ(report->parts_n, 27);
 
-  const auto maker = SceneMaker::create(catalogue, options);
+  const auto maker = simulation::SceneMaker::create(catalogue, options);
   const auto scene = BopScene::open(scene_path);
   auto rawlog = RawlogReader::open(scene_path / "frames.rawlog");
   ASSERT_TRUE(maker && scene && rawlog);
@@ -81,17 +81,17 @@ TEST_F(SimSceneTest, BopSceneAndRawlogHoldWhatWasMade) {
 }
 
 TEST_F(SimSceneTest, TheTruthIsTheSceneThatIsSeen) {
-  const auto maker = SceneMaker::create(catalogue, options);
+  const auto maker = simulation::SceneMaker::create(catalogue, options);
   ASSERT_TRUE(maker);
   const auto image = maker->make(0);
   ASSERT_TRUE(image) << image.error().message;
   // The parts alone, drawn from the poses that the scene says: where the instance image has a part,
   // no part is nearer, and the frame reads its depth up to the sensor's errors.
-  std::vector<SceneObject> objects;
+  std::vector<simulation::SceneObject> objects;
   for (const BopTruth& truth : image->truth) {
     objects.push_back({&catalogue.find_bop(truth.obj_id)->mesh, truth.T_camera_part});
   }
-  const Rendering drawn = render(image->frame.camera, objects);
+  const simulation::Rendering drawn = simulation::render(image->frame.camera, objects);
   std::vector<double> errors_mm;
   std::map<int, int> pixels_n;
   for (std::size_t i = 0; i < image->instance->values.size(); ++i) {
@@ -117,7 +117,7 @@ TEST_F(SimSceneTest, TheCameraLooksAtTheBinsCentreFromItsHeight) {
   options.camera_tilt_rad = 0.3;
   options.camera_height_m = 0.9;
   options.parts = {};
-  const auto maker = SceneMaker::create(catalogue, options);
+  const auto maker = simulation::SceneMaker::create(catalogue, options);
   ASSERT_TRUE(maker);
   const auto image = maker->make(0);
   ASSERT_TRUE(image);
@@ -128,10 +128,10 @@ TEST_F(SimSceneTest, TheCameraLooksAtTheBinsCentreFromItsHeight) {
 }
 
 TEST_F(SimSceneTest, AFrameDependsOnItsOwnSeedOnly) {
-  const auto maker = SceneMaker::create(catalogue, options);
-  SceneOptions later = options;
+  const auto maker = simulation::SceneMaker::create(catalogue, options);
+  simulation::SceneOptions later = options;
   later.seed = options.seed + 2;
-  const auto later_maker = SceneMaker::create(catalogue, later);
+  const auto later_maker = simulation::SceneMaker::create(catalogue, later);
   ASSERT_TRUE(maker && later_maker);
   const auto third = maker->make(2);
   ASSERT_TRUE(third);

@@ -34,10 +34,10 @@ inline Eigen::Isometry3d down_at(double x_m, double y_m, double z_m) {
 
 class ScriptedCell {
  public:
-  ScriptedCell(std::vector<parts::Mesh> kinds, std::vector<sim_cell::PiledPart> parts,
+  ScriptedCell(std::vector<parts::Mesh> kinds, std::vector<simulation::PiledPart> parts,
                const sim_cell::PhysicsCellOptions& options = scripted_options())
       : kinds_(std::move(kinds)) {
-    sim_cell::Pile pile;
+    simulation::Pile pile;
     pile.parts = std::move(parts);
     cell = std::make_unique<sim_cell::PhysicsCell>(kinds_, pile, options);
   }

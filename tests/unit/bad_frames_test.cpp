@@ -7,7 +7,7 @@
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/eval/pose_error.hpp"
 #include "graspd/perception/planner.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 #include "graspd/types/camera_model.hpp"
 #include "part_test_support.hpp"
 
@@ -87,10 +87,10 @@ class BadFrames : public ::testing::Test {
     return parts::Catalogue({make_part(description).value()});
   }
   static BopImage pile(const parts::Catalogue& catalogue, int count_n, std::uint64_t seed = 1) {
-    sim_cell::SceneOptions options;
+    simulation::SceneOptions options;
     options.parts = {{catalogue.parts().front().id, count_n}};
     options.seed = seed;
-    return sim_cell::SceneMaker::create(catalogue, options)->make(0).value();
+    return simulation::SceneMaker::create(catalogue, options)->make(0).value();
   }
   Result<PlanAnswer> try_plan(const BopImage& image, const parts::Catalogue& catalogue) const {
     // So much may pass before the planner looks at the clock.

@@ -4,10 +4,10 @@
 
 #include "block_scene.hpp"
 #include "graspd/perception/planner.hpp"
-#include "graspd/sim_cell/bin_mesh.hpp"
-#include "graspd/sim_cell/kinect_v2.hpp"
-#include "graspd/sim_cell/pile.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/bin_mesh.hpp"
+#include "graspd/simulation/kinect_v2.hpp"
+#include "graspd/simulation/pile.hpp"
+#include "graspd/simulation/scene.hpp"
 
 // Bins of the simulated cell that lie elsewhere than the request says, and how full they are.
 namespace graspd::perception {
@@ -52,7 +52,7 @@ class BinDriftTest : public ::testing::Test {
   /// A bin with blocks in it, and where they lie in it.
   DepthFrame frame_of(const Placement& placement, int blocks_n, bool has_walls = true) {
     const Eigen::Isometry3d T_camera_bin = T_camera_expected() * placement.T_expected_bin();
-    std::vector<sim_cell::SceneObject> scene;
+    std::vector<simulation::SceneObject> scene;
     if (has_walls)
       scene.push_back({&bin_, T_camera_bin});
     else
@@ -61,11 +61,11 @@ class BinDriftTest : public ::testing::Test {
     for (const auto& part : pile_.parts) {
       scene.push_back({&block_.mesh, T_camera_bin * part.T_bin_part});
     }
-    const sim_cell::Walls walls{T_camera_bin, kBin_m};
-    return sim_cell::observe(scene, sensor_, 1, has_walls ? &walls : nullptr);
+    const simulation::Walls walls{T_camera_bin, kBin_m};
+    return simulation::observe(scene, sensor_, 1, has_walls ? &walls : nullptr);
   }
   Eigen::Isometry3d T_camera_expected() const {
-    return sim_cell::camera_over_bin(height_m_, tilt_rad_).inverse();
+    return simulation::camera_over_bin(height_m_, tilt_rad_).inverse();
   }
   std::optional<BinDrift> drift_of(const DepthFrame& frame) const {
     return find_bin_drift(frame, T_camera_expected(), kBin_m, parameters_.preprocess);
@@ -89,11 +89,11 @@ class BinDriftTest : public ::testing::Test {
 
   parts::Part block_ = testing::block_part("block", kBlock_m);
   parts::Catalogue catalogue_{{block_}};
-  parts::Mesh bin_ = sim_cell::bin_mesh(kBin_m, kWall_m);
-  parts::Mesh table_ = sim_cell::bin_mesh({0.001, 0.001, 0.001}, 0.001);
-  sim_cell::PileMaker makers_{{block_.mesh}};
-  sim_cell::Pile pile_;
-  sim_cell::KinectV2Parameters sensor_;
+  parts::Mesh bin_ = simulation::bin_mesh(kBin_m, kWall_m);
+  parts::Mesh table_ = simulation::bin_mesh({0.001, 0.001, 0.001}, 0.001);
+  simulation::PileMaker makers_{{block_.mesh}};
+  simulation::Pile pile_;
+  simulation::KinectV2Parameters sensor_;
   Parameters parameters_;
   double height_m_ = 0.75;
   double tilt_rad_ = 0;
@@ -161,7 +161,7 @@ TEST_F(BinDriftTest, ABinTooFarOffIsNotFound) {
 }
 
 /// The mean height of what lies in the bin, of its height, looked at straight from above.
-double true_fill_level(const sim_cell::Pile& pile) {
+double true_fill_level(const simulation::Pile& pile) {
   constexpr double kCell_m = 0.002;
   const auto columns_n = static_cast<int>(kBin_m.x() / kCell_m);
   const auto rows_n = static_cast<int>(kBin_m.y() / kCell_m);

@@ -224,9 +224,9 @@ TEST(Forecast, ScoresAsTheAccuracyBenchDoes) {
   ASSERT_TRUE(found) << found.error().message;
 
   const parts::Catalogue catalogue({*tee});
-  sim_cell::SceneOptions scene;
+  simulation::SceneOptions scene;
   scene.parts = {{"tee", options.parts_n}};
-  const auto maker = sim_cell::SceneMaker::create(catalogue, scene);
+  const auto maker = simulation::SceneMaker::create(catalogue, scene);
   eval::PoseAccuracy bench;
   for (int k = 0; k < options.piles_n; ++k) {
     auto image = maker->make(k);

@@ -28,8 +28,8 @@ class SimCellPortsTest : public ::testing::Test {
     options.T_base_camera = options.bin.T_base_bin * options.T_base_camera;
     return options;
   }
-  static sim_cell::Pile one_box() {
-    sim_cell::Pile pile;
+  static simulation::Pile one_box() {
+    simulation::Pile pile;
     pile.parts.push_back({0, testing::at(0, 0, 0.02)});
     return pile;
   }

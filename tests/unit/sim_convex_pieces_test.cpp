@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <random>
 
-#include "graspd/sim_cell/convex_pieces.hpp"
+#include "graspd/simulation/convex_pieces.hpp"
 #include "sim_meshes.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 using testing::box_mesh;
@@ -107,4 +107,4 @@ TEST(ConvexPiecesTest, TheSameMeshGivesTheSamePieces) {
 TEST(ConvexPiecesTest, AnEmptyMeshHasNoPieces) { EXPECT_TRUE(convex_pieces({}).empty()); }
 
 }  // namespace
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

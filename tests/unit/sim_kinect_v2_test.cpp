@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "graspd/sim_cell/kinect_v2.hpp"
+#include "graspd/simulation/kinect_v2.hpp"
 #include "sim_meshes.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 using testing::box_mesh;
@@ -230,4 +230,4 @@ TEST_F(SimKinectV2Test, TheSeedMakesTheFrame) {
 }
 
 }  // namespace
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

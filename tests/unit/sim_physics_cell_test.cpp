@@ -46,7 +46,7 @@ Held hold_box(const PhysicsCellOptions& options) {
 
 /// Both jaws' friction as a share of the box's weight.
 PhysicsCellOptions gripping_with(double share) {
-  const PileOptions parts;
+  const simulation::PileOptions parts;
   PhysicsCellOptions options = scripted_options();
   const double weight_n = parts.density_kg_m3 * kBox_m.prod() * kGravity_m_s2;
   options.drive.force_n = share * weight_n / (2 * options.drive.pad_friction);
@@ -218,7 +218,7 @@ struct Outcome {
   std::vector<Eigen::Vector3d> p_base_m;
 };
 
-Outcome pick_from_pile(const Pile& pile, std::uint64_t seed) {
+Outcome pick_from_pile(const simulation::Pile& pile, std::uint64_t seed) {
   PhysicsCellOptions options = scripted_options();
   options.seed = seed;
   ScriptedCell scripted({box_mesh(kBox_m)}, pile.parts, options);
@@ -231,7 +231,7 @@ Outcome pick_from_pile(const Pile& pile, std::uint64_t seed) {
 }
 
 TEST(PhysicsCellTest, PileAndSeedMakeWhatHappens) {
-  const PileMaker boxes({box_mesh(kBox_m)});
+  const simulation::PileMaker boxes({box_mesh(kBox_m)});
   const auto pile = boxes.drop({25}, scripted_options().bin.inner_size_m, 1);
   ASSERT_TRUE(pile);
   const Outcome a = pick_from_pile(*pile, 1), b = pick_from_pile(*pile, 1);

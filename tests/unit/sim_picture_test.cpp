@@ -3,10 +3,10 @@
 #include <fstream>
 #include <iterator>
 
-#include "graspd/sim_cell/picture.hpp"
+#include "graspd/simulation/picture.hpp"
 #include "temporary_folder.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 using ::testing::HasSubstr;
@@ -137,4 +137,4 @@ TEST(PictureTest, TheViewerLooksWhereItIsToldWithItsHeadUp) {
 }
 
 }  // namespace
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

@@ -2,10 +2,10 @@
 
 #include <future>
 
-#include "graspd/sim_cell/pile.hpp"
+#include "graspd/simulation/pile.hpp"
 #include "sim_meshes.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 using testing::box_mesh;
@@ -159,4 +159,4 @@ TEST_F(PileTest, ImpossibleRequestsAreNamed) {
 }
 
 }  // namespace
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

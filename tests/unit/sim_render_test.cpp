@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "graspd/sim_cell/render.hpp"
+#include "graspd/simulation/render.hpp"
 #include "graspd/types/camera_model.hpp"
 #include "sim_meshes.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 using testing::box_mesh;
@@ -147,4 +147,4 @@ TEST(SimRenderTest, DistortedPixelsLookAlongTheirOwnRays) {
 }
 
 }  // namespace
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

@@ -2,9 +2,9 @@
 
 #include "block_scene.hpp"
 #include "graspd/perception/planner.hpp"
-#include "graspd/sim_cell/bin_mesh.hpp"
-#include "graspd/sim_cell/kinect_v2.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/bin_mesh.hpp"
+#include "graspd/simulation/kinect_v2.hpp"
+#include "graspd/simulation/scene.hpp"
 
 // The displacement check on frames of a simulated Kinect v2: what stands, what was picked, what
 // moved, and what only then came to light. Each frame has noise of its own.
@@ -21,7 +21,7 @@ class StandingObjects : public ::testing::Test {
  protected:
   StandingObjects() {
     parameters_.preprocess.wall_bow_m = sensor_.wall_bow_m;
-    request_.T_base_camera = sim_cell::camera_over_bin(0.75, 0);
+    request_.T_base_camera = simulation::camera_over_bin(0.75, 0);
     request_.bin = Bin{Eigen::Isometry3d::Identity(), kBin_m, 0.005};
     request_.parts = {{"block", 0}};
   }
@@ -32,12 +32,12 @@ class StandingObjects : public ::testing::Test {
   }
   DepthFrame frame_of(const std::vector<Eigen::Isometry3d>& blocks) {
     const Eigen::Isometry3d T_camera_bin = request_.T_base_camera.inverse();
-    std::vector<sim_cell::SceneObject> scene{{&bin_, T_camera_bin}};
+    std::vector<simulation::SceneObject> scene{{&bin_, T_camera_bin}};
     for (const auto& T_bin_block : blocks) {
       scene.push_back({&catalogue_.parts()[0].mesh, T_camera_bin * T_bin_block});
     }
-    const sim_cell::Walls walls{T_camera_bin, kBin_m};
-    return sim_cell::observe(scene, sensor_, ++seed_, &walls);
+    const simulation::Walls walls{T_camera_bin, kBin_m};
+    return simulation::observe(scene, sensor_, ++seed_, &walls);
   }
   PlanAnswer plan_of(const std::vector<Eigen::Isometry3d>& blocks) {
     return plan(frame_of(blocks), request_, catalogue_, parameters_).value();
@@ -75,8 +75,8 @@ class StandingObjects : public ::testing::Test {
          other.bop_obj_id = 2;
          return other;
        }()}};
-  parts::Mesh bin_ = sim_cell::bin_mesh(kBin_m, 0.005);
-  sim_cell::KinectV2Parameters sensor_;
+  parts::Mesh bin_ = simulation::bin_mesh(kBin_m, 0.005);
+  simulation::KinectV2Parameters sensor_;
   Parameters parameters_;
   PlanRequest request_;
   std::uint64_t seed_ = 0;

@@ -12,8 +12,9 @@ constexpr std::array kJawSides{-1, 1};
 
 }  // namespace
 
-GripperBodies::GripperBodies(BulletWorld& world, const Gripper& gripper, const GripperDrive& drive,
-                             double part_friction, const Eigen::Isometry3d& T_bin_grasp)
+GripperBodies::GripperBodies(simulation::BulletWorld& world, const Gripper& gripper,
+                             const GripperDrive& drive, double part_friction,
+                             const Eigen::Isometry3d& T_bin_grasp)
     : world_(world),
       gripper_(gripper),
       drive_(drive),
@@ -39,11 +40,11 @@ GripperBodies::~GripperBodies() {
 
 void GripperBodies::make_box(Box& box, std::string name, const Eigen::Vector3d& size_m,
                              double friction, double z_m) {
-  box.box = std::make_unique<btBoxShape>(to_bullet(Eigen::Vector3d(size_m / 2)));
-  box.box->setMargin(btScalar(kMargin_m * kScale));
+  box.box = std::make_unique<btBoxShape>(simulation::to_bullet(Eigen::Vector3d(size_m / 2)));
+  box.box->setMargin(btScalar(simulation::kMargin_m * simulation::kScale));
   box.shape = std::make_unique<btCompoundShape>();
-  box.shape->addChildShape(to_bullet(Eigen::Isometry3d(Eigen::Translation3d(0, 0, z_m))),
-                           box.box.get());
+  box.shape->addChildShape(
+      simulation::to_bullet(Eigen::Isometry3d(Eigen::Translation3d(0, 0, z_m))), box.box.get());
   box.body = world_.make_body(box.shape.get(), 0);
   box.label = {BodyLabel::Kind::kRobot, std::move(name), 0};
   box.body->setUserPointer(&box.label);
@@ -97,15 +98,18 @@ void GripperBodies::let_go() {
 
 double GripperBodies::opening_m() const {
   if (!is_gripping_) return opening_m_;
-  const Eigen::Vector3d across_m = to_metres(jaws_[1].body->getWorldTransform().getOrigin()) -
-                                   to_metres(jaws_[0].body->getWorldTransform().getOrigin());
+  const Eigen::Vector3d across_m =
+      simulation::to_metres(jaws_[1].body->getWorldTransform().getOrigin()) -
+      simulation::to_metres(jaws_[0].body->getWorldTransform().getOrigin());
   return across_m.dot(T_bin_grasp_.linear().col(0)) - gripper_.jaw_size_m.x();
 }
 
 std::vector<motion::PlacedShape> GripperBodies::shapes() const {
   const Eigen::Translation3d to_palm(0, 0,
                                      -(gripper_.jaw_size_m.z() + gripper_.palm_size_m.z()) / 2);
-  const auto pose = [](const Box& box) { return to_metres(box.body->getWorldTransform()); };
+  const auto pose = [](const Box& box) {
+    return simulation::to_metres(box.body->getWorldTransform());
+  };
   return {{motion::Box{gripper_.palm_size_m}, pose(palm_) * to_palm},
           {motion::Box{gripper_.jaw_size_m}, pose(jaws_[0])},
           {motion::Box{gripper_.jaw_size_m}, pose(jaws_[1])}};
@@ -133,16 +137,17 @@ std::unique_ptr<btTypedConstraint> GripperBodies::slider(int side) {
   const Eigen::Isometry3d T_palm_out =
       Eigen::Translation3d(side * gripper_.jaw_size_m.x() / 2, 0, 0) * T_out;
   Box& jaw = jaws_[side < 0 ? 0 : 1];
-  auto slider = std::make_unique<btSliderConstraint>(*palm_.body, *jaw.body, to_bullet(T_palm_out),
-                                                     to_bullet(T_out), true);
+  auto slider = std::make_unique<btSliderConstraint>(*palm_.body, *jaw.body,
+                                                     simulation::to_bullet(T_palm_out),
+                                                     simulation::to_bullet(T_out), true);
   slider->setUseFrameOffset(false);  // right for bodies on the slider's line, and only then
-  slider->setLowerLinLimit(btScalar(gripper_.min_opening_m / 2 * kScale));
-  slider->setUpperLinLimit(btScalar(gripper_.max_opening_m / 2 * kScale));
+  slider->setLowerLinLimit(btScalar(gripper_.min_opening_m / 2 * simulation::kScale));
+  slider->setUpperLinLimit(btScalar(gripper_.max_opening_m / 2 * simulation::kScale));
   slider->setLowerAngLimit(0);
   slider->setUpperAngLimit(0);
   slider->setPoweredLinMotor(true);
-  slider->setTargetLinMotorVelocity(btScalar(-drive_.speed_m_s * kScale));
-  slider->setMaxLinMotorForce(btScalar(drive_.force_n * kScale));
+  slider->setTargetLinMotorVelocity(btScalar(-drive_.speed_m_s * simulation::kScale));
+  slider->setMaxLinMotorForce(btScalar(drive_.force_n * simulation::kScale));
   return slider;
 }
 

@@ -16,7 +16,7 @@ class GripperBodies {
  public:
   /// The world must outlive it. \param part_friction as the world knows it: Bullet takes the
   /// product of two bodies' coefficients.
-  GripperBodies(BulletWorld& world, const Gripper& gripper, const GripperDrive& drive,
+  GripperBodies(simulation::BulletWorld& world, const Gripper& gripper, const GripperDrive& drive,
                 double part_friction, const Eigen::Isometry3d& T_bin_grasp);
   ~GripperBodies();
   GripperBodies(const GripperBodies&) = delete;
@@ -48,7 +48,7 @@ class GripperBodies {
   void set_mass(Box& box, double mass_kg);
   std::unique_ptr<btTypedConstraint> slider(int side);
 
-  BulletWorld& world_;
+  simulation::BulletWorld& world_;
   Gripper gripper_;
   GripperDrive drive_;
   Eigen::Isometry3d T_bin_grasp_;

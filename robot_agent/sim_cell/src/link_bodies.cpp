@@ -7,20 +7,20 @@ namespace {
 
 struct MakeShape {
   std::unique_ptr<btCollisionShape> operator()(const motion::Box& box) const {
-    return std::make_unique<btBoxShape>(to_bullet(Eigen::Vector3d(box.size_m / 2)));
+    return std::make_unique<btBoxShape>(simulation::to_bullet(Eigen::Vector3d(box.size_m / 2)));
   }
   std::unique_ptr<btCollisionShape> operator()(const motion::Cylinder& cylinder) const {
-    return std::make_unique<btCylinderShapeZ>(
-        to_bullet(Eigen::Vector3d(cylinder.radius_m, cylinder.radius_m, cylinder.length_m / 2)));
+    return std::make_unique<btCylinderShapeZ>(simulation::to_bullet(
+        Eigen::Vector3d(cylinder.radius_m, cylinder.radius_m, cylinder.length_m / 2)));
   }
   std::unique_ptr<btCollisionShape> operator()(const motion::Sphere& sphere) const {
-    return std::make_unique<btSphereShape>(btScalar(sphere.radius_m * kScale));
+    return std::make_unique<btSphereShape>(btScalar(sphere.radius_m * simulation::kScale));
   }
 };
 
 }  // namespace
 
-LinkBodies::LinkBodies(BulletWorld& world, std::span<const motion::LinkShape> links)
+LinkBodies::LinkBodies(simulation::BulletWorld& world, std::span<const motion::LinkShape> links)
     : world_(world) {
   for (const motion::LinkShape& shape : links) {
     Link& link = links_.emplace_back();
@@ -28,7 +28,8 @@ LinkBodies::LinkBodies(BulletWorld& world, std::span<const motion::LinkShape> li
     if (shape.shapes.empty()) continue;
     for (const motion::PlacedShape& piece : shape.shapes) {
       link.pieces.push_back(std::visit(MakeShape{}, piece.shape));
-      link.compound.addChildShape(to_bullet(piece.T_link_shape), link.pieces.back().get());
+      link.compound.addChildShape(simulation::to_bullet(piece.T_link_shape),
+                                  link.pieces.back().get());
     }
     link.body = world_.make_body(&link.compound, 0);
     link.label = {BodyLabel::Kind::kRobot, shape.name, 0};
@@ -50,8 +51,8 @@ std::vector<motion::PlacedShape> LinkBodies::shapes() const {
   std::vector<motion::PlacedShape> shapes;
   for (const Link& link : links_) {
     for (const motion::PlacedShape& piece : link.shape.shapes) {
-      shapes.push_back(
-          {piece.shape, to_metres(link.body->getWorldTransform()) * piece.T_link_shape});
+      shapes.push_back({piece.shape, simulation::to_metres(link.body->getWorldTransform()) *
+                                         piece.T_link_shape});
     }
   }
   return shapes;

@@ -16,7 +16,7 @@ namespace graspd::sim_cell {
 class LinkBodies {
  public:
   /// The world must outlive them.
-  LinkBodies(BulletWorld& world, std::span<const motion::LinkShape> links);
+  LinkBodies(simulation::BulletWorld& world, std::span<const motion::LinkShape> links);
   ~LinkBodies();
   LinkBodies(const LinkBodies&) = delete;
   LinkBodies& operator=(const LinkBodies&) = delete;
@@ -36,7 +36,7 @@ class LinkBodies {
     BodyLabel label;
   };
 
-  BulletWorld& world_;
+  simulation::BulletWorld& world_;
   std::deque<Link> links_;
 };
 

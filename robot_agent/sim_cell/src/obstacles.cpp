@@ -8,7 +8,8 @@ constexpr double kPlaceFloor_m = 0.02;
 
 }  // namespace
 
-Obstacles::Obstacles(BulletWorld& world, const Bin& bin, const Bin& place) : world_(world) {
+Obstacles::Obstacles(simulation::BulletWorld& world, const Bin& bin, const Bin& place)
+    : world_(world) {
   add_box(Eigen::Isometry3d(Eigen::Translation3d(0, 0, -kTable_m.z() / 2)), kTable_m, table_,
           kRobot);
   add_walls(bin, Eigen::Isometry3d::Identity(), bin_, kRobot);
@@ -39,9 +40,9 @@ void Obstacles::add_walls(const Bin& bin, const Eigen::Isometry3d& T_world_bin, 
 void Obstacles::add_box(const Eigen::Isometry3d& T_world_box, const Eigen::Vector3d& size_m,
                         BodyLabel& label, int meets) {
   Box& box = boxes_.emplace_back();
-  box.shape = std::make_unique<btBoxShape>(to_bullet(Eigen::Vector3d(size_m / 2)));
+  box.shape = std::make_unique<btBoxShape>(simulation::to_bullet(Eigen::Vector3d(size_m / 2)));
   box.body = world_.make_body(box.shape.get(), 0);
-  box.body->setWorldTransform(to_bullet(T_world_box));
+  box.body->setWorldTransform(simulation::to_bullet(T_world_box));
   box.body->setUserPointer(&label);
   world_.bullet().addRigidBody(box.body.get(), kObstacles, meets);
 }

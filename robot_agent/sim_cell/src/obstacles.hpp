@@ -15,7 +15,7 @@ namespace graspd::sim_cell {
 class Obstacles {
  public:
   /// The world must outlive them. Its frame is the bin's.
-  Obstacles(BulletWorld& world, const Bin& bin, const Bin& place);
+  Obstacles(simulation::BulletWorld& world, const Bin& bin, const Bin& place);
   ~Obstacles();
   Obstacles(const Obstacles&) = delete;
   Obstacles& operator=(const Obstacles&) = delete;
@@ -30,7 +30,7 @@ class Obstacles {
   void add_box(const Eigen::Isometry3d& T_world_box, const Eigen::Vector3d& size_m,
                BodyLabel& label, int meets);
 
-  BulletWorld& world_;
+  simulation::BulletWorld& world_;
   BodyLabel table_{BodyLabel::Kind::kObstacle, "table"};
   BodyLabel bin_{BodyLabel::Kind::kObstacle, "bin"};
   BodyLabel place_{BodyLabel::Kind::kObstacle, "place box"};

@@ -18,9 +18,11 @@ constexpr double kMaxSpeed_m_s = 1.0;
 
 }  // namespace
 
-PartBodies::PartBodies(BulletWorld& world, const std::vector<PartShape>& shapes, const Pile& pile)
+PartBodies::PartBodies(simulation::BulletWorld& world,
+                       const std::vector<simulation::PartShape>& shapes,
+                       const simulation::Pile& pile)
     : world_(world), shapes_(shapes) {
-  for (const PiledPart& part : pile.parts) {
+  for (const simulation::PiledPart& part : pile.parts) {
     Body& body = bodies_.emplace_back();
     body.kind = part.kind;
     body.label = {BodyLabel::Kind::kPart, fmt::format("part {}", bodies_.size() - 1),
@@ -43,11 +45,11 @@ bool PartBodies::is_any_loose() const {
 }
 
 Eigen::Isometry3d PartBodies::T_bin_part(std::size_t i) const {
-  return pose_of(*bodies_[i].body, shape(i));
+  return simulation::pose_of(*bodies_[i].body, shape(i));
 }
 
 Eigen::Vector3d PartBodies::centre_m(std::size_t i) const {
-  return to_metres(bodies_[i].body->getWorldTransform().getOrigin());
+  return simulation::to_metres(bodies_[i].body->getWorldTransform().getOrigin());
 }
 
 void PartBodies::take_away(std::size_t i) {
@@ -60,9 +62,9 @@ void PartBodies::set_damping(double damping) {
   for (Body& body : bodies_) body.body->setDamping(btScalar(damping), btScalar(damping));
 }
 
-void PartBodies::update(std::span<const Contact> contacts, double step_s) {
+void PartBodies::update(std::span<const simulation::Contact> contacts, double step_s) {
   pass_on_motion(contacts);
-  const auto limit = btScalar(kMaxSpeed_m_s * kScale);
+  const auto limit = btScalar(kMaxSpeed_m_s * simulation::kScale);
   for (Body& body : bodies_) {
     if (body.is_frozen || body.is_gone) continue;
     const btVector3 velocity = body.body->getLinearVelocity();
@@ -75,12 +77,12 @@ void PartBodies::update(std::span<const Contact> contacts, double step_s) {
       freeze(body);
     } else {
       body.window_s = 0;
-      body.T_window = to_metres(body.body->getWorldTransform());
+      body.T_window = simulation::to_metres(body.body->getWorldTransform());
     }
   }
 }
 
-bool PartBodies::pause_if_clear(std::span<const Contact> contacts, double tip_m) {
+bool PartBodies::pause_if_clear(std::span<const simulation::Contact> contacts, double tip_m) {
   const std::vector<bool> hangs = hanging_in_robot(contacts);
   double load_low_m = tip_m;
   double loose_high_m = std::numeric_limits<double>::lowest();
@@ -110,12 +112,13 @@ void PartBodies::resume() {
 }
 
 /// Parts that the robot touches, and what touches those, and so on, of the moving ones.
-std::vector<bool> PartBodies::hanging_in_robot(std::span<const Contact> contacts) const {
+std::vector<bool> PartBodies::hanging_in_robot(
+    std::span<const simulation::Contact> contacts) const {
   std::vector<bool> hangs;
   for (const Body& body : bodies_) hangs.push_back(body.is_touched && !body.is_frozen);
   for (bool grew = true; grew;) {
     grew = false;
-    for (const Contact& contact : contacts) {
+    for (const simulation::Contact& contact : contacts) {
       const BodyLabel* a = label_of(contact.a);
       const BodyLabel* b = label_of(contact.b);
       if (a == nullptr || b == nullptr || contact.distance_m > kTouch_m) continue;
@@ -132,16 +135,16 @@ std::vector<bool> PartBodies::hanging_in_robot(std::span<const Contact> contacts
 double PartBodies::low_m(const Body& body) const {
   btVector3 low, high;
   body.body->getAabb(low, high);
-  return to_metres(low).z();
+  return simulation::to_metres(low).z();
 }
 
 double PartBodies::high_m(const Body& body) const {
   btVector3 low, high;
   body.body->getAabb(low, high);
-  return to_metres(high).z();
+  return simulation::to_metres(high).z();
 }
 
-void PartBodies::pass_on_motion(std::span<const Contact> contacts) {
+void PartBodies::pass_on_motion(std::span<const simulation::Contact> contacts) {
   for (Body& body : bodies_) body.is_touched = false;
   const auto stirs = [this](const BodyLabel& by) {
     if (by.kind == BodyLabel::Kind::kRobot) return true;
@@ -155,7 +158,7 @@ void PartBodies::pass_on_motion(std::span<const Contact> contacts) {
     if (other.kind == BodyLabel::Kind::kRobot) body.is_touched = true;
     if (body.is_frozen && stirs(other)) thaw(body);
   };
-  for (const Contact& contact : contacts) {
+  for (const simulation::Contact& contact : contacts) {
     const BodyLabel* a = label_of(contact.a);
     const BodyLabel* b = label_of(contact.b);
     if (a == nullptr || b == nullptr || contact.distance_m > kTouch_m) continue;
@@ -165,7 +168,8 @@ void PartBodies::pass_on_motion(std::span<const Contact> contacts) {
 }
 
 bool PartBodies::has_moved(const Body& body, const Eigen::Isometry3d& since, double by_m) const {
-  const Eigen::Isometry3d T_since_now = since.inverse() * to_metres(body.body->getWorldTransform());
+  const Eigen::Isometry3d T_since_now =
+      since.inverse() * simulation::to_metres(body.body->getWorldTransform());
   const double turn_rad = Eigen::AngleAxisd(T_since_now.linear()).angle();
   return T_since_now.translation().norm() + turn_rad * shapes_[body.kind].radius_m > by_m;
 }
@@ -180,7 +184,7 @@ void PartBodies::freeze(Body& body) {
 }
 
 void PartBodies::thaw(Body& body) {
-  const PartShape& shape = shapes_[body.kind];
+  const simulation::PartShape& shape = shapes_[body.kind];
   btVector3 inertia(0, 0, 0);
   shape.compound->calculateLocalInertia(btScalar(shape.mass_kg), inertia);
   world_.bullet().removeRigidBody(body.body.get());
@@ -193,7 +197,7 @@ void PartBodies::thaw(Body& body) {
     body.body->setLinearVelocity(body.velocity);
     body.body->setAngularVelocity(body.turn_rate);
   }
-  body.T_thawed = body.T_window = to_metres(body.body->getWorldTransform());
+  body.T_thawed = body.T_window = simulation::to_metres(body.body->getWorldTransform());
   body.window_s = 0;
 }
 

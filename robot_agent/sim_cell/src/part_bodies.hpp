@@ -6,7 +6,7 @@
 
 #include "body_label.hpp"
 #include "bullet_world.hpp"
-#include "graspd/sim_cell/pile.hpp"
+#include "graspd/simulation/pile.hpp"
 
 namespace graspd::sim_cell {
 
@@ -17,7 +17,8 @@ namespace graspd::sim_cell {
 class PartBodies {
  public:
   /// World and shapes must outlive the bodies. The pile is taken to be at rest.
-  PartBodies(BulletWorld& world, const std::vector<PartShape>& shapes, const Pile& pile);
+  PartBodies(simulation::BulletWorld& world, const std::vector<simulation::PartShape>& shapes,
+             const simulation::Pile& pile);
   ~PartBodies();
   PartBodies(const PartBodies&) = delete;
   PartBodies& operator=(const PartBodies&) = delete;
@@ -28,7 +29,7 @@ class PartBodies {
   bool is_touched(std::size_t i) const { return bodies_[i].is_touched; }
   /// Whether any part still moves, but for those that the robot touches.
   bool is_any_loose() const;
-  const PartShape& shape(std::size_t i) const { return shapes_[bodies_[i].kind]; }
+  const simulation::PartShape& shape(std::size_t i) const { return shapes_[bodies_[i].kind]; }
   std::size_t kind(std::size_t i) const { return bodies_[i].kind; }
   Eigen::Isometry3d T_bin_part(std::size_t i) const;
   Eigen::Vector3d centre_m(std::size_t i) const;
@@ -38,12 +39,12 @@ class PartBodies {
 
   /// Where everything that hangs in the robot, and `tip_m`, is higher than all other moving parts,
   /// these wait. \returns whether they do
-  bool pause_if_clear(std::span<const Contact> contacts, double tip_m);
+  bool pause_if_clear(std::span<const simulation::Contact> contacts, double tip_m);
   /// What waits goes on.
   void resume();
 
   /// After each step of the world.
-  void update(std::span<const Contact> contacts, double step_s);
+  void update(std::span<const simulation::Contact> contacts, double step_s);
   /// The air about the parts that move. \param damping share of the speed lost in a second
   void set_damping(double damping);
 
@@ -64,14 +65,14 @@ class PartBodies {
 
   void freeze(Body& body);
   void thaw(Body& body);
-  std::vector<bool> hanging_in_robot(std::span<const Contact> contacts) const;
+  std::vector<bool> hanging_in_robot(std::span<const simulation::Contact> contacts) const;
   double low_m(const Body& body) const;
   double high_m(const Body& body) const;
   bool has_moved(const Body& body, const Eigen::Isometry3d& since, double by_m) const;
-  void pass_on_motion(std::span<const Contact> contacts);
+  void pass_on_motion(std::span<const simulation::Contact> contacts);
 
-  BulletWorld& world_;
-  const std::vector<PartShape>& shapes_;
+  simulation::BulletWorld& world_;
+  const std::vector<simulation::PartShape>& shapes_;
   std::deque<Body> bodies_;
   double damping_ = 0;
 };

@@ -19,7 +19,7 @@ constexpr double kBackOff_s = 0.2;
 
 }  // namespace
 
-PhysicsCell::PhysicsCell(const std::vector<parts::Mesh>& kinds, const Pile& pile,
+PhysicsCell::PhysicsCell(const std::vector<parts::Mesh>& kinds, const simulation::Pile& pile,
                          const PhysicsCellOptions& options)
     : impl_(std::make_unique<Impl>(kinds, pile, options)) {}
 PhysicsCell::~PhysicsCell() = default;
@@ -113,7 +113,7 @@ std::vector<CellPart> PhysicsCell::parts() const {
 
 std::optional<std::size_t> PhysicsCell::part_at(std::size_t kind,
                                                 const Eigen::Isometry3d& T_base_part) const {
-  const PartShape& shape = impl_->shapes[kind];
+  const simulation::PartShape& shape = impl_->shapes[kind];
   std::optional<std::size_t> nearest;
   double nearest_m = shape.radius_m;
   for (std::size_t i = 0; i < impl_->T_base_parts_at_frame.size(); ++i) {

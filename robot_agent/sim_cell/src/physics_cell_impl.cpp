@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "graspd/sim_cell/bin_mesh.hpp"
+#include "graspd/simulation/bin_mesh.hpp"
 
 namespace graspd::sim_cell {
 namespace {
@@ -18,15 +18,17 @@ constexpr int kFineIterations = 100;
 constexpr double kSettleWithin_s = 4;
 constexpr double kAirDamping = 0.3;
 
-std::vector<PartShape> shapes_of(const std::vector<parts::Mesh>& kinds, double density_kg_m3) {
-  std::vector<PartShape> shapes;
-  for (const parts::Mesh& mesh : kinds) shapes.push_back(make_part_shape(mesh, {}, density_kg_m3));
+std::vector<simulation::PartShape> shapes_of(const std::vector<parts::Mesh>& kinds,
+                                             double density_kg_m3) {
+  std::vector<simulation::PartShape> shapes;
+  for (const parts::Mesh& mesh : kinds)
+    shapes.push_back(simulation::make_part_shape(mesh, {}, density_kg_m3));
   return shapes;
 }
 
 }  // namespace
 
-PhysicsCell::Impl::Impl(const std::vector<parts::Mesh>& meshes, const Pile& pile,
+PhysicsCell::Impl::Impl(const std::vector<parts::Mesh>& meshes, const simulation::Pile& pile,
                         const PhysicsCellOptions& given)
     : kinds(meshes),
       options(given),
@@ -40,7 +42,7 @@ PhysicsCell::Impl::Impl(const std::vector<parts::Mesh>& meshes, const Pile& pile
               T_bin_base * given.start.T_base_grasp),
       links(world, given.links),
       recorder(parts),
-      bin(bin_mesh(given.bin.inner_size_m, given.bin.wall_thickness_m)) {
+      bin(simulation::bin_mesh(given.bin.inner_size_m, given.bin.wall_thickness_m)) {
   parts.set_damping(kAirDamping);
   links.move_in_next_step(given.start.T_base_links, T_bin_base);
   world.step(0);
@@ -65,7 +67,7 @@ Resistance PhysicsCell::Impl::step(double step_s, const Eigen::Isometry3d& T_bin
     watch_next_s += watch_every_s;
     watch();
   }
-  const std::vector<Contact> contacts = world.contacts();
+  const std::vector<simulation::Contact> contacts = world.contacts();
   parts.update(contacts, step_s);
   if (gripper.is_gripping() && !is_settling &&
       parts.pause_if_clear(contacts, T_bin_grasp.translation().z())) {
@@ -87,7 +89,7 @@ void PhysicsCell::Impl::settle() {
   const double credit_s = time_s - std::exchange(paused_at_s, {}).value_or(time_s);
   const double start_s = time_s;
   while (parts.is_any_loose() && time_s < start_s + kSettleWithin_s) {
-    parts.set_damping(settling_damping(time_s - start_s, kAirDamping));
+    parts.set_damping(simulation::settling_damping(time_s - start_s, kAirDamping));
     step(step_s(), gripper.T_bin_grasp(), gripper.opening_m());
   }
   parts.set_damping(kAirDamping);

@@ -14,7 +14,8 @@ namespace graspd::sim_cell {
 
 /// The world's frame is the bin's.
 struct PhysicsCell::Impl {
-  Impl(const std::vector<parts::Mesh>& meshes, const Pile& pile, const PhysicsCellOptions& given);
+  Impl(const std::vector<parts::Mesh>& meshes, const simulation::Pile& pile,
+       const PhysicsCellOptions& given);
 
   /// One step in which the gripper moves to a pose. \returns the worst resistance to it
   Resistance step(double step_s, const Eigen::Isometry3d& T_bin_grasp, double opening_m);
@@ -29,8 +30,8 @@ struct PhysicsCell::Impl {
   const std::vector<parts::Mesh>& kinds;
   PhysicsCellOptions options;
   Eigen::Isometry3d T_base_bin, T_bin_base;
-  std::vector<PartShape> shapes;
-  BulletWorld world;
+  std::vector<simulation::PartShape> shapes;
+  simulation::BulletWorld world;
   Obstacles obstacles;
   PartBodies parts;
   GripperBodies gripper;

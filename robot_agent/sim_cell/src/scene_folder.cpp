@@ -16,7 +16,8 @@ constexpr double kHalfVisible = 0.5;
 /// Frames 0, 1, 2 … in order, made on all cores.
 class FramesAhead {
  public:
-  FramesAhead(const SceneMaker& maker, int frames_n) : maker_(maker), frames_n_(frames_n) {
+  FramesAhead(const simulation::SceneMaker& maker, int frames_n)
+      : maker_(maker), frames_n_(frames_n) {
     const unsigned cores_n = std::max(1U, std::thread::hardware_concurrency());
     while (frames_.size() < cores_n && start_one()) continue;
   }
@@ -38,7 +39,7 @@ class FramesAhead {
     return true;
   }
 
-  const SceneMaker& maker_;
+  const simulation::SceneMaker& maker_;
   int frames_n_;
   int started_n_ = 0;
   std::deque<std::future<Result<BopImage>>> frames_;
@@ -46,10 +47,11 @@ class FramesAhead {
 
 }  // namespace
 
-Result<SceneReport> simulate_scene(const parts::Catalogue& catalogue, const SceneOptions& options,
+Result<SceneReport> simulate_scene(const parts::Catalogue& catalogue,
+                                   const simulation::SceneOptions& options,
                                    const std::filesystem::path& directory,
                                    const std::function<void(int)>& progress) {
-  const auto maker = SceneMaker::create(catalogue, options);
+  const auto maker = simulation::SceneMaker::create(catalogue, options);
   if (!maker) return tl::unexpected(maker.error());
   std::error_code error;
   std::filesystem::create_directories(directory, error);

@@ -38,7 +38,7 @@ void TraceRecorder::begin() {
   for (std::size_t i = 0; i < parts_.size(); ++i) start_m_.push_back(parts_.centre_m(i));
 }
 
-Resistance TraceRecorder::record(std::span<const Contact> contacts, double step_s,
+Resistance TraceRecorder::record(std::span<const simulation::Contact> contacts, double step_s,
                                  bool is_gripping) {
   trace_.duration_s += step_s;
   Resistance worst;
@@ -46,7 +46,7 @@ Resistance TraceRecorder::record(std::span<const Contact> contacts, double step_
     if (share > worst.share) worst = {share, by.name, what.name};
   };
   std::vector<Push> pushes;
-  for (const Contact& contact : contacts) {
+  for (const simulation::Contact& contact : contacts) {
     const BodyLabel* by = label_of(contact.a);
     const BodyLabel* what = label_of(contact.b);
     if (by == nullptr || what == nullptr) continue;

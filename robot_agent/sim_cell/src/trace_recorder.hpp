@@ -25,7 +25,7 @@ class TraceRecorder {
 
   void closes() { trace_.has_closed = true; }
   /// After each step.
-  Resistance record(std::span<const Contact> contacts, double step_s, bool is_gripping);
+  Resistance record(std::span<const simulation::Contact> contacts, double step_s, bool is_gripping);
   /// The trace until now; the next one begins.
   PickTrace finish(std::vector<std::size_t> placed);
 

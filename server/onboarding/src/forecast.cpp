@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "graspd/eval/evaluate.hpp"
-#include "graspd/sim_cell/convex_pieces.hpp"
+#include "graspd/simulation/convex_pieces.hpp"
 
 namespace graspd::onboarding {
 namespace {
@@ -29,7 +29,7 @@ double seconds_since(Clock::time_point start) {
 }
 
 /// In order, on all cores. Fewer than asked for where the time is up.
-Result<std::vector<BopImage>> make_piles(const sim_cell::SceneMaker& maker,
+Result<std::vector<BopImage>> make_piles(const simulation::SceneMaker& maker,
                                          const ForecastOptions& options, Clock::time_point start,
                                          const Progress& progress) {
   const auto cores_n = std::max(1U, std::thread::hardware_concurrency());
@@ -114,7 +114,7 @@ std::vector<double> Forecast::openings_m() const {
 }
 
 int parts_that_fit(const parts::Part& part, const Eigen::Vector3d& bin_inner_size_m) {
-  const auto hull = sim_cell::convex_pieces(part.mesh, {.max_pieces_n = 1});
+  const auto hull = simulation::convex_pieces(part.mesh, {.max_pieces_n = 1});
   const double fit = kFillShare * bin_inner_size_m.prod() / hull.front().volume_m3;
   return static_cast<int>(std::clamp<double>(std::floor(fit), kFewestParts, kMostParts));
 }
@@ -130,9 +130,9 @@ Result<Forecast> forecast(const parts::Part& part, const ForecastOptions& option
         part.diameter_m * 1e3, bin_m.x() * 1e3, bin_m.y() * 1e3);
   }
   const parts::Catalogue catalogue({part});
-  sim_cell::SceneOptions scene = options.scene;
+  simulation::SceneOptions scene = options.scene;
   scene.parts = {{part.id, options.parts_n > 0 ? options.parts_n : parts_that_fit(part, bin_m)}};
-  const auto maker = sim_cell::SceneMaker::create(catalogue, scene);
+  const auto maker = simulation::SceneMaker::create(catalogue, scene);
   if (!maker) return tl::unexpected(maker.error());
   const auto images = make_piles(*maker, options, start, progress);
   if (!images) return tl::unexpected(images.error());

@@ -5,16 +5,16 @@
 #include <array>
 #include <cmath>
 
-#include "graspd/sim_cell/picture.hpp"
+#include "graspd/simulation/picture.hpp"
 
 namespace graspd::onboarding {
 namespace {
 
 constexpr int kPicture_px = 300;
 constexpr int kFiner = 3;  ///< drawn so many times as large, for smooth edges
-constexpr sim_cell::Rgb kPartColor{86, 180, 233};
-constexpr sim_cell::Rgb kTableColor{226, 226, 222};
-constexpr sim_cell::Rgb kJawColor{230, 120, 20};
+constexpr simulation::Rgb kPartColor{86, 180, 233};
+constexpr simulation::Rgb kTableColor{226, 226, 222};
+constexpr simulation::Rgb kJawColor{230, 120, 20};
 /// From where it is looked at: above the horizon, and turned from the closing direction.
 constexpr double kElevation_rad = 0.6;
 constexpr double kAzimuth_rad = -1.15;
@@ -48,11 +48,11 @@ parts::Mesh table_of(double radius_m) {
 struct Thing {
   const parts::Mesh& mesh;
   Eigen::Isometry3d T_world_mesh = Eigen::Isometry3d::Identity();
-  sim_cell::Rgb color;
+  simulation::Rgb color;
 };
 
 /// Means of kFiner × kFiner pixels.
-overlay::RgbImage smaller(const sim_cell::Picture& fine) {
+overlay::RgbImage smaller(const simulation::Picture& fine) {
   overlay::RgbImage image{fine.width_px / kFiner, fine.height_px / kFiner, {}};
   for (int y = 0; y < image.height_px; ++y) {
     for (int x = 0; x < image.width_px; ++x) {
@@ -82,16 +82,16 @@ overlay::RgbImage draw(const std::vector<Thing>& things, const Eigen::Vector3d& 
                             std::sin(kElevation_rad));
   const double distance_m = kFocal_px * radius_m / (0.47 * kSide_px);
   const Eigen::Isometry3d T_camera_world =
-      sim_cell::looking_at(centre_m, centre_m + distance_m * out).inverse();
-  std::vector<sim_cell::SceneObject> objects;
-  std::vector<sim_cell::Rgb> colors;
+      simulation::looking_at(centre_m, centre_m + distance_m * out).inverse();
+  std::vector<simulation::SceneObject> objects;
+  std::vector<simulation::Rgb> colors;
   for (const Thing& thing : things) {
     objects.push_back({&thing.mesh, T_camera_world * thing.T_world_mesh});
     colors.push_back(thing.color);
   }
   const CameraIntrinsics camera{kSide_px,       kSide_px,       kFocal_px, kFocal_px,
                                 kSide_px / 2.0, kSide_px / 2.0, {}};
-  return smaller(sim_cell::shaded(sim_cell::render(camera, objects), colors));
+  return smaller(simulation::shaded(simulation::render(camera, objects), colors));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-#include "graspd/sim_cell/bin_mesh.hpp"
+#include "graspd/simulation/bin_mesh.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 constexpr double kTableHalf_m = 1.5;
@@ -36,4 +36,4 @@ parts::Mesh bin_mesh(const Eigen::Vector3d& inner_size_m, double wall_m) {
   return mesh;
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 constexpr double kWall_m = 0.05;  // thick, so that nothing is pushed through
@@ -226,4 +226,4 @@ Eigen::Isometry3d to_metres(const btTransform& T) {
          Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

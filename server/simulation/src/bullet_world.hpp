@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "graspd/sim_cell/convex_pieces.hpp"
+#include "graspd/simulation/convex_pieces.hpp"
 
 /// Bullet, made to fit parts of a few centimetres. Its tolerances are meant for bodies of about one
 /// unit, so the physics runs in decimetres: one metre is kScale units, and gravity grows with it.
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 inline constexpr double kScale = 10;
 inline constexpr double kMargin_m = 0.0005;
@@ -116,4 +116,4 @@ inline Eigen::Vector3d to_metres(const btVector3& v) {
 btTransform to_bullet(const Eigen::Isometry3d& T_m);
 Eigen::Isometry3d to_metres(const btTransform& T);
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

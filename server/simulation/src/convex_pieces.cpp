@@ -1,4 +1,4 @@
-#include "graspd/sim_cell/convex_pieces.hpp"
+#include "graspd/simulation/convex_pieces.hpp"
 
 #include <LinearMath/btConvexHullComputer.h>
 
@@ -11,7 +11,7 @@
 // vertices span the piece's hull. (A corner of the box deep inside the solid is no such vertex;
 // nothing can touch it there.) Which cut is best is found by trying: the cut that makes the two
 // hulls' volumes smallest, over evenly spaced planes across each axis.
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 using Polygon = std::vector<Eigen::Vector3d>;
@@ -264,4 +264,4 @@ std::vector<ConvexPiece> convex_pieces(const parts::Mesh& mesh,
   return hulls;
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

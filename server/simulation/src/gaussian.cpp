@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 std::vector<float> gaussian_kernel(double sigma_px) {
   if (!(sigma_px > 0)) return {1};
@@ -47,4 +47,4 @@ std::vector<float> convolve(const std::vector<float>& image, int width_px, int h
   return result;
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

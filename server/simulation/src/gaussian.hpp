@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 /// Samples of a Gaussian at −radius … radius, their sum 1. A sigma of 0 gives the single weight 1.
 std::vector<float> gaussian_kernel(double sigma_px);
@@ -12,4 +12,4 @@ std::vector<float> gaussian_kernel(double sigma_px);
 std::vector<float> convolve(const std::vector<float>& image, int width_px, int height_px,
                             const std::vector<float>& kernel);
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

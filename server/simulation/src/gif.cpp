@@ -5,9 +5,9 @@
 #include <string>
 #include <unordered_map>
 
-#include "graspd/sim_cell/picture.hpp"
+#include "graspd/simulation/picture.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 constexpr int kPaletteBits = 8;
@@ -169,4 +169,4 @@ Result<void> write_gif(const std::filesystem::path& path, std::span<const Pictur
   return {};
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

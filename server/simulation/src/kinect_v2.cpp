@@ -1,4 +1,4 @@
-#include "graspd/sim_cell/kinect_v2.hpp"
+#include "graspd/simulation/kinect_v2.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "random.hpp"
 #include "rays.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -199,4 +199,4 @@ DepthFrame observe(std::span<const SceneObject> scene, const KinectV2Parameters&
   return quantise(sensor, image);
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

@@ -1,9 +1,9 @@
-#include "graspd/sim_cell/picture.hpp"
+#include "graspd/simulation/picture.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 constexpr Rgb kBackground{245, 245, 245};
@@ -41,4 +41,4 @@ Eigen::Isometry3d looking_at(const Eigen::Vector3d& at_m, const Eigen::Vector3d&
   return Eigen::Translation3d(from_m) * Eigen::Quaterniond(axes);
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

@@ -1,4 +1,4 @@
-#include "graspd/sim_cell/pile.hpp"
+#include "graspd/simulation/pile.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "bullet_world.hpp"
 #include "random.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 constexpr double kDropDamping = 0.05;
@@ -235,4 +235,4 @@ Result<Pile> PileMaker::drop(const std::vector<int>& counts,
               seed, why, options.max_attempts_n);
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

@@ -1,4 +1,4 @@
-#include "graspd/sim_cell/pile_physics.hpp"
+#include "graspd/simulation/pile_physics.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "bullet_world.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 /// The solver starts without the forces of a pile at rest: they build up, then they are averaged.
@@ -105,4 +105,4 @@ std::vector<Moved> PilePhysics::lift(std::size_t lifted, std::span<const PiledPa
   return moved;
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 /// SplitMix64 (Steele, Lea, Flood 2014). Ours rather than the standard library's, whose
 /// distributions differ between implementations: a seed must mean the same scene everywhere.
@@ -46,4 +46,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

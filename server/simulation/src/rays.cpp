@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 std::vector<Eigen::Vector3d> pixel_rays(const CameraIntrinsics& camera) {
   std::vector<Eigen::Vector3d> rays;
@@ -38,4 +38,4 @@ CameraIntrinsics rectified_camera(const CameraIntrinsics& camera,
           {}};
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

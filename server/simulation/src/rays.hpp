@@ -4,7 +4,7 @@
 
 #include "graspd/types/camera_model.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 /// The points at z = 1 that the pixels look at, row by row, distortion undone.
 std::vector<Eigen::Vector3d> pixel_rays(const CameraIntrinsics& camera);
@@ -14,4 +14,4 @@ std::vector<Eigen::Vector3d> pixel_rays(const CameraIntrinsics& camera);
 CameraIntrinsics rectified_camera(const CameraIntrinsics& camera,
                                   const std::vector<Eigen::Vector3d>& rays, int rays_per_side_n);
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

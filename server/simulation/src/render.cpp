@@ -1,4 +1,4 @@
-#include "graspd/sim_cell/render.hpp"
+#include "graspd/simulation/render.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include "rays.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 constexpr double kNear_m = 0.01;
@@ -175,4 +175,4 @@ std::vector<double> visible_fractions(const Rendering& rendering,
   return fractions;
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

@@ -1,10 +1,10 @@
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 
 #include <cmath>
 
-#include "graspd/sim_cell/bin_mesh.hpp"
+#include "graspd/simulation/bin_mesh.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 namespace {
 
 /// 0 for all but the first `parts_n` objects, whose ids count from 1.
@@ -85,4 +85,4 @@ Result<BopImage> SceneMaker::make(int k) const {
   return image;
 }
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

@@ -9,13 +9,13 @@ constexpr std::size_t kMostPictures = 150;
 
 }  // namespace
 
-Film::Film(sim_cell::PhysicsCell& cell, std::vector<sim_cell::Rgb> kind_colors) : cell_(cell) {
+Film::Film(sim_cell::PhysicsCell& cell, std::vector<simulation::Rgb> kind_colors) : cell_(cell) {
   const Bin& bin = cell.options().bin;
   const Bin& place = cell.options().place;
   const Eigen::Vector3d middle_m =
       (bin.T_base_bin.translation() + place.T_base_bin.translation()) / 2;
-  view_.T_base_camera = sim_cell::looking_at(middle_m + Eigen::Vector3d(0.02, 0.05, 0.17),
-                                             middle_m + Eigen::Vector3d(0.80, -0.58, 0.75));
+  view_.T_base_camera = simulation::looking_at(middle_m + Eigen::Vector3d(0.02, 0.05, 0.17),
+                                               middle_m + Eigen::Vector3d(0.80, -0.58, 0.75));
   view_.kind_colors = std::move(kind_colors);
   cell_.every(kTakenEvery_s, [this] {
     if (instants_n_++ % stride_ == 0) take();
@@ -37,9 +37,9 @@ void Film::take() {
 }
 
 Result<void> Film::write(const std::filesystem::path& path) const {
-  std::vector<sim_cell::Picture> pictures = pictures_;
+  std::vector<simulation::Picture> pictures = pictures_;
   pictures.push_back(cell_.picture(view_));
-  return sim_cell::write_gif(path, pictures, kShownFor_s);
+  return simulation::write_gif(path, pictures, kShownFor_s);
 }
 
 }  // namespace graspd::agent

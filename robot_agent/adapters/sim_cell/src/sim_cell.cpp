@@ -64,7 +64,7 @@ sim_cell::PhysicsCellOptions with(const FloatingOptions& floating,
 }  // namespace
 
 struct SimCell::Impl {
-  Impl(const std::vector<parts::Mesh>& kinds, const sim_cell::Pile& pile,
+  Impl(const std::vector<parts::Mesh>& kinds, const simulation::Pile& pile,
        const sim_cell::PhysicsCellOptions& options)
       : cell(kinds, pile, options) {}
 
@@ -90,7 +90,7 @@ struct SimCell::Impl {
 };
 
 Result<std::unique_ptr<SimCell>> SimCell::create(
-    const std::vector<parts::Mesh>& kinds, const sim_cell::Pile& pile,
+    const std::vector<parts::Mesh>& kinds, const simulation::Pile& pile,
     const sim_cell::PhysicsCellOptions& options,
     const std::variant<motion::MountedArm, FloatingOptions>& carrier) {
   auto impl = std::make_unique<Impl>(

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "graspd/motion/arm_model.hpp"
-#include "graspd/sim_cell/kinect_v2.hpp"
 #include "graspd/sim_cell/pick_trace.hpp"
-#include "graspd/sim_cell/picture.hpp"
-#include "graspd/sim_cell/pile.hpp"
+#include "graspd/simulation/kinect_v2.hpp"
+#include "graspd/simulation/picture.hpp"
+#include "graspd/simulation/pile.hpp"
 #include "graspd/types/request.hpp"
 
 namespace graspd::sim_cell {
@@ -33,14 +33,14 @@ struct PhysicsCellOptions {
   Bin bin;    ///< its floor is the table's top
   Bin place;  ///< the same table's, or a raised box
   Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
-  KinectV2Parameters sensor;
+  simulation::KinectV2Parameters sensor;
   double gloss = 0;  ///< of the parts; see SceneObject
   Gripper gripper;
   GripperDrive drive;
   std::vector<motion::LinkShape> links;  ///< of the arm; none: the gripper floats
   RobotPose start;
-  PileOptions parts;       ///< density, friction and restitution as the pile was made with
-  std::uint64_t seed = 1;  ///< of the sensor's noise
+  simulation::PileOptions parts;  ///< density, friction and restitution as the pile was made with
+  std::uint64_t seed = 1;         ///< of the sensor's noise
 };
 
 struct CellPart {
@@ -53,7 +53,7 @@ struct CellPart {
 struct PictureView {
   CameraIntrinsics camera{480, 360, 430, 430, 239.5, 179.5, {}};
   Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
-  std::vector<Rgb> kind_colors;  ///< one for each kind of part
+  std::vector<simulation::Rgb> kind_colors;  ///< one for each kind of part
 };
 
 /// The cell in physics. Time passes only in its calls, and what happens is settled by the piles and
@@ -63,7 +63,7 @@ struct PictureView {
 class PhysicsCell {
  public:
   /// \param kinds the meshes, which must outlive the cell. \param pile at rest, in the bin's frame
-  PhysicsCell(const std::vector<parts::Mesh>& kinds, const Pile& pile,
+  PhysicsCell(const std::vector<parts::Mesh>& kinds, const simulation::Pile& pile,
               const PhysicsCellOptions& options);
   ~PhysicsCell();
   PhysicsCell(const PhysicsCell&) = delete;
@@ -90,7 +90,7 @@ class PhysicsCell {
   DepthFrame frame();
 
   /// Everything there is: bin, place box, parts, gripper and arm.
-  Picture picture(const PictureView& view) const;
+  simulation::Picture picture(const PictureView& view) const;
   /// Whenever so much time has passed, in whatever call: for pictures. \param watch must not move
   /// anything; an empty one ends it
   void every(double period_s, std::function<void()> watch);

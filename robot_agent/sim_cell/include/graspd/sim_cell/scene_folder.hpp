@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 
 namespace graspd::sim_cell {
 
@@ -15,7 +15,8 @@ struct SceneReport {
 
 /// Writes a BOP scene folder, and the same frames as an MRPT rawlog, `frames.rawlog`, inside it.
 /// \param progress called after each frame with its number from 1.
-Result<SceneReport> simulate_scene(const parts::Catalogue& catalogue, const SceneOptions& options,
+Result<SceneReport> simulate_scene(const parts::Catalogue& catalogue,
+                                   const simulation::SceneOptions& options,
                                    const std::filesystem::path& directory,
                                    const std::function<void(int)>& progress = {});
 

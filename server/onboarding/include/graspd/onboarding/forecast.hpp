@@ -7,7 +7,7 @@
 
 #include "graspd/eval/pose_accuracy.hpp"
 #include "graspd/perception/parameters.hpp"
-#include "graspd/sim_cell/scene.hpp"
+#include "graspd/simulation/scene.hpp"
 #include "graspd/types/answer.hpp"
 #include "graspd/types/request.hpp"
 
@@ -16,7 +16,8 @@
 namespace graspd::onboarding {
 
 struct ForecastOptions {
-  sim_cell::SceneOptions scene;  ///< bin, camera and seed of the first pile; its parts are set here
+  simulation::SceneOptions
+      scene;  ///< bin, camera and seed of the first pile; its parts are set here
   Gripper gripper;
   perception::Parameters parameters;
   int piles_n = 24;

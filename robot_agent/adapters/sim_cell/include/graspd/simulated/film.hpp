@@ -13,7 +13,7 @@ class Film {
  public:
   /// From now on pictures are taken. \param cell must outlive the film
   /// \param kind_colors one for each kind of part
-  Film(sim_cell::PhysicsCell& cell, std::vector<sim_cell::Rgb> kind_colors);
+  Film(sim_cell::PhysicsCell& cell, std::vector<simulation::Rgb> kind_colors);
   ~Film();
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
@@ -28,7 +28,7 @@ class Film {
   sim_cell::PictureView view_;
   std::size_t instants_n_ = 0;
   std::size_t stride_ = 1;  ///< of the instants, a picture is taken at every so many
-  std::vector<sim_cell::Picture> pictures_;
+  std::vector<simulation::Picture> pictures_;
 };
 
 }  // namespace graspd::agent

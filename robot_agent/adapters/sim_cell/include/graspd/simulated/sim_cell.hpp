@@ -27,7 +27,7 @@ class SimCell {
   /// The meshes must outlive the cell. The options' links and start are the carrier's.
   /// \returns INVALID_ARGUMENT with what in the arm's parameters doesn't fit it.
   static Result<std::unique_ptr<SimCell>> create(
-      const std::vector<parts::Mesh>& kinds, const sim_cell::Pile& pile,
+      const std::vector<parts::Mesh>& kinds, const simulation::Pile& pile,
       const sim_cell::PhysicsCellOptions& options,
       const std::variant<motion::MountedArm, FloatingOptions>& carrier);
   ~SimCell();

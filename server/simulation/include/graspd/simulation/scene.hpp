@@ -6,10 +6,10 @@
 
 #include "graspd/formats/bop.hpp"
 #include "graspd/parts/catalogue.hpp"
-#include "graspd/sim_cell/kinect_v2.hpp"
-#include "graspd/sim_cell/pile.hpp"
+#include "graspd/simulation/kinect_v2.hpp"
+#include "graspd/simulation/pile.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 struct PartCount {
   std::string part_id;
@@ -52,4 +52,4 @@ class SceneMaker {
   parts::Mesh bin_;
 };
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "graspd/sim_cell/render.hpp"
+#include "graspd/simulation/render.hpp"
 #include "graspd/types/result.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
@@ -33,4 +33,4 @@ Eigen::Isometry3d looking_at(const Eigen::Vector3d& at_m, const Eigen::Vector3d&
 Result<void> write_gif(const std::filesystem::path& path, std::span<const Picture> pictures,
                        double delay_s);
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

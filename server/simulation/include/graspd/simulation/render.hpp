@@ -8,7 +8,7 @@
 #include "graspd/parts/mesh.hpp"
 #include "graspd/types/frame.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 /// A mesh in front of the camera. The mesh must outlive its uses.
 struct SceneObject {
@@ -42,4 +42,4 @@ Rendering render(const CameraIntrinsics& camera, std::span<const SceneObject> ob
 std::vector<double> visible_fractions(const Rendering& rendering,
                                       std::span<const SceneObject> objects);
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

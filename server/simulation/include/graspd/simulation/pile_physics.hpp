@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "graspd/sim_cell/pile.hpp"
+#include "graspd/simulation/pile.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 /// Who bears whom, in a pile at rest.
 struct Bearing {
@@ -50,4 +50,4 @@ class PilePhysics {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

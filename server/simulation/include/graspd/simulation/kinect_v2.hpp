@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <span>
 
-#include "graspd/sim_cell/render.hpp"
+#include "graspd/simulation/render.hpp"
 #include "graspd/types/frame.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 /// A Kinect v2 as its drivers deliver it: time-of-flight depth after libfreenect2's filters. The
 /// sources of the numbers are
@@ -63,4 +63,4 @@ struct Walls {
 DepthFrame observe(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
                    std::uint64_t seed, const Walls* walls = nullptr);
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

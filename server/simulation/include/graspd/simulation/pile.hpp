@@ -8,7 +8,7 @@
 #include "graspd/parts/mesh.hpp"
 #include "graspd/types/result.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 struct PileOptions {
   double density_kg_m3 = 1100;  ///< ABS, as injection-moulded fittings
@@ -60,4 +60,4 @@ class PileMaker {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation

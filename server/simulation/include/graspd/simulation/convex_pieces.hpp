@@ -5,7 +5,7 @@
 
 #include "graspd/parts/mesh.hpp"
 
-namespace graspd::sim_cell {
+namespace graspd::simulation {
 
 /// The convex hull of `vertices_m`, in the frame of the mesh.
 struct ConvexPiece {
@@ -26,4 +26,4 @@ struct ConvexPiecesOptions {
 std::vector<ConvexPiece> convex_pieces(const parts::Mesh& mesh,
                                        const ConvexPiecesOptions& options = {});
 
-}  // namespace graspd::sim_cell
+}  // namespace graspd::simulation
