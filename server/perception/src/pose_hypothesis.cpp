@@ -31,7 +31,7 @@ struct LogOdds {
   float at_zero, fit, refuted, log_support, leftover;
 };
 constexpr LogOdds kOdds{-19.14F, 4.40F, -104.3F, 3.017F, -5.375F};
-/// Nothing was fitted to fewer: small parts are not punished for being small.
+/// Fewer are taken for as many, as they were in the fit: small parts are not punished for that.
 constexpr std::int32_t kFewestThatCount = 200;
 
 KernelPose for_kernel(const PoseHypothesis& pose) {
