@@ -2,6 +2,7 @@
 
 #include "config_values.hpp"
 #include "graspd/formats/cell.hpp"
+#include "graspd/types/mean_frame.hpp"
 
 namespace graspd::robot_agent {
 namespace {
@@ -42,6 +43,24 @@ CameraConfig read_camera_section(YamlMap map, const fs::path& input) {
     read_duration(map, "timeout_s", camera.device.timeout);
   }
   return camera;
+}
+
+/// A recording's frames are not of one scene that stands still.
+void read_averaged_frames(YamlMap& root, CellConfig& config) {
+  if (config.camera && config.camera->is_recording()) {
+    if (root.has("averaged_frames_n")) {
+      root.fault("averaged_frames_n",
+                 "'averaged_frames_n' is for live cameras: each frame of a recording is planned on "
+                 "by itself");
+    }
+    config.averaged_frames_n = 1;
+    return;
+  }
+  root.optional("averaged_frames_n", config.averaged_frames_n);
+  if (config.averaged_frames_n < 1 || config.averaged_frames_n > kMaxMeanFrames) {
+    root.fault("averaged_frames_n",
+               fmt::format("'averaged_frames_n' must be 1 to {}", kMaxMeanFrames));
+  }
 }
 
 output_gripper::GripperOptions read_output(YamlMap map, const Gripper& gripper) {
@@ -153,6 +172,7 @@ Result<CellConfig> read_cell_config(const fs::path& path, const fs::path& output
   config.parts = read_parts(root);
   config.arm = read_arm(root.map("arm"), input, output);
   if (!config.arm.pile) config.camera = read_camera_section(root.map("camera"), input);
+  read_averaged_frames(root, config);
   if (root.has("T_base_camera")) root.required("T_base_camera", config.T_base_camera.emplace());
   if (root.has("bin")) config.bin = read_bin(root.map("bin"));
   read_gripper_section(root.map("gripper"), config);

@@ -40,6 +40,8 @@ struct CellConfig {
   std::uint32_t budget_ms = 10'000;
   std::vector<RequestedPart> parts;
   std::optional<CameraConfig> camera;  ///< none: a simulated cell has its own
+  /// Frames whose mean is planned on; a recording's are planned on one by one.
+  std::uint32_t averaged_frames_n = 4;
   std::optional<Eigen::Isometry3d> T_base_camera;
   std::optional<Bin> bin;
   Gripper gripper;

@@ -1,6 +1,7 @@
 #include "equipment.hpp"
 
 #include "driven_arm.hpp"
+#include "graspd/agent/averaging_camera.hpp"
 #include "graspd/record/recording_arm.hpp"
 #include "graspd/replay/replay_camera.hpp"
 #include "simulated_equipment.hpp"
@@ -71,7 +72,12 @@ Result<void> add_gripper(const std::optional<output_gripper::GripperOptions>& ou
 
 Result<Equipment> make_equipment(const CellConfig& config, const CellFrames& frames) {
   auto equipment = make_camera(config, frames);
-  if (!equipment || config.arm.pile) return equipment;
+  if (!equipment) return equipment;
+  if (config.averaged_frames_n > 1) {
+    equipment->camera =
+        std::make_shared<agent::AveragingCamera>(equipment->camera, config.averaged_frames_n);
+  }
+  if (config.arm.pile) return equipment;
   const auto made = add_arm(config, frames, *equipment).and_then([&] {
     return add_gripper(config.gripper_output, *equipment);
   });

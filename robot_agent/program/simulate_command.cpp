@@ -11,6 +11,7 @@
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/formats/cell.hpp"
 #include "graspd/sim_cell/scene_folder.hpp"
+#include "graspd/types/mean_frame.hpp"
 
 namespace graspd::robot_agent {
 namespace {
@@ -145,6 +146,10 @@ void add_simulate_command(CLI::App& app) {
   command->add_option("--camera-height-m", scene.camera_height_m, "above the bin's floor")
       ->capture_default_str();
   command->add_option("--camera-tilt-rad", scene.camera_tilt_rad, "about the bin's longer side")
+      ->capture_default_str();
+  command->add_option("--looks", scene.looks_n, "frame: the mean of so many looks at the pile")
+      ->type_name("N")
+      ->check(CLI::Range(1, static_cast<int>(kMaxMeanFrames)))
       ->capture_default_str();
   command->add_option("--bin-size-m", arguments->bin_size_m, "inner sizes: longer, shorter, height")
       ->expected(3)

@@ -16,6 +16,7 @@
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/eval/mesh_part.hpp"
 #include "graspd/simulation/scene.hpp"
+#include "graspd/types/mean_frame.hpp"
 #include "piles.hpp"
 
 namespace graspd::bench {
@@ -36,6 +37,7 @@ struct Options {
   std::string out = "build/bench/accuracy";
   std::string registration;
   int frames_n = 12;
+  int looks_n = 1;
   int seed = 1;
 };
 
@@ -53,6 +55,7 @@ simulation::SceneOptions scene_of(const Kinds& kinds, int k, const Options& opti
   const auto kinds_n = static_cast<int>(kinds.size());
   const int of_each_n = (parts_n + kinds_n - 1) / kinds_n;
   for (const parts::Part* part : kinds) scene.parts.push_back({part->id, of_each_n});
+  scene.looks_n = options.looks_n;
   scene.seed = static_cast<std::uint64_t>(options.seed);
   return scene;
 }
@@ -202,6 +205,9 @@ int main(int count, char** words) {
                    "method (default: the planner's own default)");
     app.add_option("--frames", options.frames_n, "of each part, or mixed ones")
         ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    app.add_option("--looks", options.looks_n, "frame: the mean of so many looks at the pile")
+        ->check(CLI::Range(1, static_cast<int>(graspd::kMaxMeanFrames)))
         ->capture_default_str();
     app.add_option("--seed", options.seed, "of the first frame")->capture_default_str();
     app.add_option("--out", options.out, "where to write, without the files' extensions")

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "graspd/agent/averaging_camera.hpp"
 #include "graspd/agent/pick_cycle.hpp"
 #include "graspd/simulated/film.hpp"
 #include "simulated_equipment.hpp"
@@ -143,8 +144,9 @@ Result<BinRow> empty_bin(const BinJob& job, const simulation::PileMaker& piles,
       agent::SimCell::create(kinds, *pile, robot_agent::layout(job.cell), job.carrier);
   if (!made) return tl::unexpected(made.error());
   agent::SimCell& cell = **made;
-  const agent::Ports ports{cell.camera(), cell.timed(planner), cell.arm(), cell.gripper(),
-                           cell.clock()};
+  agent::AveragingCamera camera({std::shared_ptr<void>(), &cell.camera()},
+                                job.cell.averaged_frames_n);
+  const agent::Ports ports{camera, cell.timed(planner), cell.arm(), cell.gripper(), cell.clock()};
   std::optional<agent::Film> film;
   if (job.gif) film.emplace(cell.physics(), std::vector{job.part.color_rgb});
   Judge judge(cell.physics());

@@ -142,7 +142,8 @@ TEST_F(AgentTest, FaultsInTheConfigurationAreAllNamedWithFileAndLine) {
                                    "camera: {kind: stereo, path: nowhere}\n"
                                    "speed: 3\n"
                                    "reactions: {on_bin_empty: stir, on_none_reachable: pray}\n"
-                                   "stir: {speed_share: 2}\n");
+                                   "stir: {speed_share: 2}\n"
+                                   "averaged_frames_n: 8\n");
   const Finished finished = agent(config);
   EXPECT_EQ(finished.exit_code, 2);
   const std::string file = config.string();
@@ -153,7 +154,8 @@ TEST_F(AgentTest, FaultsInTheConfigurationAreAllNamedWithFileAndLine) {
             HasSubstr(file + ":4: unknown key 'speed'"), HasSubstr("'T_base_place'"),
             HasSubstr(file + ":5: 'on_bin_empty' can't be stir"),
             HasSubstr(file + ":5: 'pray' is no reaction; known: stop | wait | stir | ask"),
-            HasSubstr(file + ":6: 'speed_share' must be above 0")));
+            HasSubstr(file + ":6: 'speed_share' must be above 0"),
+            HasSubstr(file + ":7: 'averaged_frames_n' is for live cameras")));
 }
 
 TEST_F(AgentTest, TheReferenceConfigurationIsOneWithAndWithoutItsOptionalKeys) {

@@ -28,9 +28,10 @@ class LiveCameraTest : public AgentTest {
                            OPENNI2_FOLDER, ROBOT_AGENT, config.string(), folder.path().string()));
   }
   /// The depth in a column of the first frame that the run kept.
-  int kept_depth_mm() const {
+  double kept_depth_mm() const {
     const auto frames = BopScene::open(run_folder("live") / "frames");
-    return frames.value().read(0).value().frame.depth.at(10 * kWidth_px + kColumn);
+    const DepthFrame frame = frames.value().read(0).value().frame;
+    return 1e3 * frame.depth_scale_m * frame.at(kColumn, 10);
   }
 };
 
@@ -41,14 +42,14 @@ TEST_F(LiveCameraTest, ItsFramesAreMirroredBackAndCorrected) {
          "  reference_m: 0.7, min_depth_m: 0.5, max_depth_m: 1.5}\n";
   const Finished finished = agent_with_camera(write_live_config(""));
   EXPECT_EQ(finished.exit_code, 0) << finished.output;  // a plane, and nothing on it
-  EXPECT_EQ(kept_depth_mm(), 600 + (kWidth_px - 1 - kColumn) + 10);
+  EXPECT_DOUBLE_EQ(kept_depth_mm(), 600 + (kWidth_px - 1 - kColumn) + 10);
 }
 
 TEST_F(LiveCameraTest, AsTheDriverGivesThemWhereThatDoesNotMirror) {
   write_camera(folder, "camera.yaml", kinect_v2(), kHeight_m);
   const Finished finished = agent_with_camera(write_live_config(", mirrored: false"));
   EXPECT_EQ(finished.exit_code, 0) << finished.output;
-  EXPECT_EQ(kept_depth_mm(), 600 + kColumn);
+  EXPECT_DOUBLE_EQ(kept_depth_mm(), 600 + kColumn);
 }
 
 TEST_F(LiveCameraTest, ACameraThatIsAbsentOrDiesIsNamed) {

@@ -243,6 +243,7 @@ TEST_F(EquipmentTest, WhatAnArmNeedsAndTheConfigurationLacksIsAllNamed) {
       folder.write("cell.yaml",
                    "cell: real\nparts: [{id: bar}]\n"
                    "camera: {kind: openni2}\n"
+                   "averaged_frames_n: 33\n"
                    "arm: {kind: simple_message, motion_port: 70000}\n"
                    "T_base_place: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
                    "gripper: {output: {close: [true]}}\n");
@@ -251,6 +252,7 @@ TEST_F(EquipmentTest, WhatAnArmNeedsAndTheConfigurationLacksIsAllNamed) {
   EXPECT_THAT(finished.output,
               AllOf(HasSubstr("key 'calibration' is missing"), HasSubstr("key 'host' is missing"),
                     HasSubstr("'motion_port' must be 1 to 65535"), HasSubstr("key 'urdf'"),
+                    HasSubstr("'averaged_frames_n' must be 1 to 32"),
                     HasSubstr("key 'open' is missing"), HasSubstr("add the section 'bin'")));
 }
 

@@ -229,5 +229,15 @@ TEST_F(SimKinectV2Test, TheSeedMakesTheFrame) {
   EXPECT_NE(see_plane(sensor, 1, 0.5, 0, 2).depth, a.depth);
 }
 
+TEST_F(SimKinectV2Test, EachLookAtAStillSceneIsAFrameOfItsOwn) {
+  KinectV2Parameters sensor;
+  sensor.camera = perfect().camera;
+  const SceneObject plane{&square, at(0.8, 0.3)};
+  const StillScene scene({&plane, 1}, sensor, std::nullopt);
+  EXPECT_EQ(scene.look(1).depth, observe({&plane, 1}, sensor, 1).depth);
+  EXPECT_EQ(scene.look(2).depth, observe({&plane, 1}, sensor, 2).depth);
+  EXPECT_NE(scene.look(1).depth, scene.look(2).depth);
+}
+
 }  // namespace
 }  // namespace graspd::simulation

@@ -230,6 +230,23 @@ Outcome pick_from_pile(const simulation::Pile& pile, std::uint64_t seed) {
   return outcome;
 }
 
+TEST(PhysicsCellTest, FurtherFramesOfAPauseShowTheSameAndEndNoTrace) {
+  ScriptedCell scripted = two_boxes(kAside);
+  scripted.pick(down_at(0, 0, 0.01), kWide_m);
+  PhysicsCell& cell = *scripted.cell;
+  const DepthFrame first = cell.frame();
+  const auto placed = cell.last_trace().placed;
+  EXPECT_EQ(placed.size(), 1U);
+  cell.wait(1.0 / 30);
+  const DepthFrame second = cell.frame();
+  EXPECT_EQ(cell.last_trace().placed, placed);
+  EXPECT_NE(first.depth, second.depth);  // noise
+  EXPECT_NEAR(first.at(255, 205), second.at(255, 205), 20);
+  scripted.pick(down_at(-0.1, 0, 0.01), kWide_m);
+  cell.frame();
+  EXPECT_THAT(cell.last_trace().placed, ::testing::ElementsAre(1U));
+}
+
 TEST(PhysicsCellTest, PileAndSeedMakeWhatHappens) {
   const simulation::PileMaker boxes({box_mesh(kBox_m)});
   const auto pile = boxes.drop({25}, scripted_options().bin.inner_size_m, 1);

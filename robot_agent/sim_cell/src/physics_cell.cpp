@@ -30,6 +30,7 @@ double PhysicsCell::time_s() const { return impl_->time_s; }
 Result<void> PhysicsCell::follow(double duration_s,
                                  const std::function<RobotPose(double)>& robot_at) {
   if (!(duration_s > 0)) return {};
+  impl_->has_worked = true;
   const int steps_n = impl_->steps_in(duration_s);
   for (int i = 1; i <= steps_n; ++i) {
     const RobotPose robot = robot_at(duration_s * i / steps_n);
@@ -50,6 +51,7 @@ void PhysicsCell::open(double opening_m) {
   const Gripper& gripper = impl_->options.gripper;
   const double to_m = std::clamp(opening_m, gripper.min_opening_m, gripper.max_opening_m);
   impl_->gripper.let_go();
+  impl_->has_worked = true;
   impl_->has_closed = false;
   const double from_m = impl_->gripper.opening_m();
   const double duration_s = std::abs(to_m - from_m) / (2 * impl_->options.drive.speed_m_s);
@@ -62,6 +64,7 @@ void PhysicsCell::open(double opening_m) {
 
 void PhysicsCell::close() {
   impl_->gripper.grip();
+  impl_->has_worked = true;
   impl_->has_closed = true;
   impl_->recorder.closes();
   const double start_s = impl_->time_s;
@@ -92,12 +95,9 @@ bool PhysicsCell::holds_something() const {
 
 DepthFrame PhysicsCell::frame() {
   impl_->settle();
-  const std::vector<std::size_t> placed = impl_->parts_in_place_box();
-  impl_->last_trace = impl_->recorder.finish(placed);
-  for (const std::size_t part : placed) impl_->parts.take_away(part);
-  impl_->T_base_parts_at_frame.clear();
-  for (const CellPart& part : parts()) {
-    impl_->T_base_parts_at_frame.push_back(part.T_base_part);
+  if (impl_->has_worked) {
+    impl_->take_stock();
+    impl_->has_worked = false;
   }
   return impl_->observe_cell();
 }

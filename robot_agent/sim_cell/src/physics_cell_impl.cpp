@@ -97,6 +97,16 @@ void PhysicsCell::Impl::settle() {
   time_s = std::max(start_s, time_s - credit_s);
 }
 
+void PhysicsCell::Impl::take_stock() {
+  const std::vector<std::size_t> placed = parts_in_place_box();
+  last_trace = recorder.finish(placed);
+  for (const std::size_t part : placed) parts.take_away(part);
+  T_base_parts_at_frame.clear();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    T_base_parts_at_frame.push_back(T_base_bin * parts.T_bin_part(i));
+  }
+}
+
 std::vector<std::size_t> PhysicsCell::Impl::parts_in_place_box() const {
   const Eigen::Isometry3d T_place_bin = options.place.T_base_bin.inverse() * T_base_bin;
   const Eigen::Vector3d half_m = options.place.inner_size_m / 2;

@@ -24,6 +24,8 @@ struct PhysicsCell::Impl {
   double step_s() const;
   /// What waited while the gripper was at work moves now, in the time that has passed since.
   void settle();
+  /// Ends the trace and begins another, and takes away what lies in the place box.
+  void take_stock();
   std::vector<std::size_t> parts_in_place_box() const;
   DepthFrame observe_cell();
 
@@ -41,6 +43,9 @@ struct PhysicsCell::Impl {
 
   double time_s = 0;
   std::uint64_t frames_n = 0;
+  std::optional<simulation::StillScene> seen;  ///< by the last frame
+  std::vector<simulation::SceneObject> scene_seen;
+  bool has_worked = true;  ///< the robot, since the last frame
   PickTrace last_trace;
   std::vector<Eigen::Isometry3d> T_base_parts_at_frame;
   std::function<void()> watch;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <deque>
 
 #include "graspd/simulation/bin_mesh.hpp"
@@ -22,8 +23,15 @@ DepthFrame PhysicsCell::Impl::observe_cell() {
         {&kinds[parts.kind(i)], T_camera_base * T_base_bin * parts.T_bin_part(i), options.gloss});
   }
   scene.push_back({&bin, T_camera_base * T_base_bin});
-  const simulation::Walls walls{T_camera_base * T_base_bin, options.bin.inner_size_m};
-  return simulation::observe(scene, options.sensor, options.seed + frames_n++, &walls);
+  const auto is_same = [](const simulation::SceneObject& a, const simulation::SceneObject& b) {
+    return a.mesh == b.mesh && a.T_camera_object.matrix() == b.T_camera_object.matrix();
+  };
+  if (!seen || !std::ranges::equal(scene, scene_seen, is_same)) {
+    const simulation::Walls walls{T_camera_base * T_base_bin, options.bin.inner_size_m};
+    seen.emplace(scene, options.sensor, walls);
+    scene_seen = std::move(scene);
+  }
+  return seen->look(options.seed + frames_n++);
 }
 
 simulation::Picture PhysicsCell::picture(const PictureView& view) const {

@@ -37,24 +37,29 @@ Random pixel_random(std::uint64_t seed, Stream effect, std::size_t pixel) {
   return Random(seed + 0x1000193 * effect, pixel);
 }
 
+/// What a sensor sees of a scene, and how.
+struct Drawing {
+  const Rendering& fine;
+  const std::vector<float>& cos_incidence;
+  const std::vector<float>& gloss;
+};
+
 /// Mean over a square of fine pixels; no reading where most of it sees nothing.
-void average_footprint(const Rendering& fine, std::span<const SceneObject> scene,
-                       const Eigen::Vector2d& centre_px, int n, std::size_t pixel, Image& image) {
+void average_footprint(const Drawing& drawing, const Eigen::Vector2d& centre_px, int n,
+                       std::size_t pixel, Image& image) {
   double z_m = 0, cosine = 0, gloss = 0;
   int hits_n = 0;
-  const CameraIntrinsics& camera = fine.camera;
+  const Rendering& fine = drawing.fine;
   const int u_first = int(std::lround(centre_px.x() - (n - 1) / 2.0));
   const int v_first = int(std::lround(centre_px.y() - (n - 1) / 2.0));
   for (int v = v_first; v < v_first + n; ++v) {
     for (int u = u_first; u < u_first + n; ++u) {
-      if (u < 0 || v < 0 || u >= camera.width_px || v >= camera.height_px) continue;
+      if (u < 0 || v < 0 || u >= fine.camera.width_px || v >= fine.camera.height_px) continue;
       const std::size_t i = fine.index(u, v);
       if (fine.object[i] == Rendering::kNothing) continue;
-      const Eigen::Vector3f ray(float((u - camera.cx_px) / camera.fx_px),
-                                float((v - camera.cy_px) / camera.fy_px), 1);
-      cosine += double(-fine.facet_normals[std::size_t(fine.facet[i])].dot(ray) / ray.norm());
+      cosine += double(drawing.cos_incidence[i]);
       z_m += double(fine.z_m[i]);
-      gloss += scene[std::size_t(fine.object[i])].gloss;
+      gloss += double(drawing.gloss[i]);
       ++hits_n;
     }
   }
@@ -64,14 +69,10 @@ void average_footprint(const Rendering& fine, std::span<const SceneObject> scene
   image.gloss[pixel] = float(gloss / hits_n);
 }
 
-Image look(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
-           std::uint64_t seed) {
-  const CameraIntrinsics& camera = sensor.camera;
-  const std::vector<Eigen::Vector3d> rays = pixel_rays(camera);
-  const int n = sensor.rays_per_side_n;
-  const Rendering fine = render(rectified_camera(camera, rays, n), scene);
-
-  Image image{camera.width_px, camera.height_px, {}, {}, {}};
+Image sample(const Drawing& drawing, const std::vector<Eigen::Vector3d>& rays,
+             const KinectV2Parameters& sensor, std::uint64_t seed) {
+  const Rendering& fine = drawing.fine;
+  Image image{sensor.camera.width_px, sensor.camera.height_px, {}, {}, {}};
   for (auto* channel : {&image.z_m, &image.cos_incidence, &image.gloss}) {
     channel->assign(rays.size(), 0);
   }
@@ -82,13 +83,14 @@ Image look(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
     const double z_m = double(fine.z_m[straight]);
     const double sigma_px = z_m > 0 ? sensor.lateral_sigma_m / z_m * fine.camera.fx_px : 0;
     const auto [du, dv] = pixel_random(seed, kLateral, pixel).normal_pair();
-    average_footprint(fine, scene, uv + sigma_px * Eigen::Vector2d(du, dv), n, pixel, image);
+    average_footprint(drawing, uv + sigma_px * Eigen::Vector2d(du, dv), sensor.rays_per_side_n,
+                      pixel, image);
   }
   return image;
 }
 
-void bend_towards_walls(const KinectV2Parameters& sensor, const Walls& walls, Image& image) {
-  const std::vector<Eigen::Vector3d> rays = pixel_rays(sensor.camera);
+void bend_towards_walls(const KinectV2Parameters& sensor, const Walls& walls,
+                        const std::vector<Eigen::Vector3d>& rays, Image& image) {
   const Eigen::Isometry3d T_bin_camera = walls.T_camera_bin.inverse();
   const Eigen::Vector2d half_m = walls.inner_size_m.head<2>() / 2;
   for (std::size_t i = 0; i < image.size(); ++i) {
@@ -189,14 +191,40 @@ double axial_sigma_m(double z_m, double incidence_rad) {
   return sigma_mm * 1e-3;
 }
 
+StillScene::StillScene(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
+                       const std::optional<Walls>& walls)
+    : sensor_(sensor),
+      walls_(walls),
+      rays_(pixel_rays(sensor.camera)),
+      fine_(render(rectified_camera(sensor.camera, rays_, sensor.rays_per_side_n), scene)),
+      cos_incidence_(fine_.object.size(), 0),
+      gloss_(fine_.object.size(), 0) {
+  const CameraIntrinsics& camera = fine_.camera;
+  for (int v = 0; v < camera.height_px; ++v) {
+    for (int u = 0; u < camera.width_px; ++u) {
+      const std::size_t i = fine_.index(u, v);
+      if (fine_.object[i] == Rendering::kNothing) continue;
+      const Eigen::Vector3f ray(float((u - camera.cx_px) / camera.fx_px),
+                                float((v - camera.cy_px) / camera.fy_px), 1);
+      cos_incidence_[i] = -fine_.facet_normals[std::size_t(fine_.facet[i])].dot(ray) / ray.norm();
+      gloss_[i] = float(scene[std::size_t(fine_.object[i])].gloss);
+    }
+  }
+}
+
+DepthFrame StillScene::look(std::uint64_t seed) const {
+  Image image = sample({fine_, cos_incidence_, gloss_}, rays_, sensor_, seed);
+  if (walls_) bend_towards_walls(sensor_, *walls_, rays_, image);
+  add_noise_and_blur(sensor_, seed, image);
+  drop_out(sensor_, seed, image);
+  filter_edges(sensor_, image);
+  return quantise(sensor_, image);
+}
+
 DepthFrame observe(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
                    std::uint64_t seed, const Walls* walls) {
-  Image image = look(scene, sensor, seed);
-  if (walls != nullptr) bend_towards_walls(sensor, *walls, image);
-  add_noise_and_blur(sensor, seed, image);
-  drop_out(sensor, seed, image);
-  filter_edges(sensor, image);
-  return quantise(sensor, image);
+  const auto given = walls != nullptr ? std::optional(*walls) : std::nullopt;
+  return StillScene(scene, sensor, given).look(seed);
 }
 
 }  // namespace graspd::simulation

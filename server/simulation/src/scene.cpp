@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "graspd/simulation/bin_mesh.hpp"
+#include "graspd/types/mean_frame.hpp"
 
 namespace graspd::simulation {
 namespace {
@@ -16,6 +17,17 @@ Image16 instance_ids(const Rendering& rendering, std::size_t parts_n) {
     ids.values.push_back(std::uint16_t(is_part ? object + 1 : 0));
   }
   return ids;
+}
+
+/// Seeds of a frame's further looks: far from those of the next frames.
+constexpr std::uint64_t kLookSeed = 1'000'003;
+
+Result<DepthFrame> look(const StillScene& scene, std::uint64_t seed, int looks_n) {
+  std::vector<DepthFrame> looks;
+  for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(looks_n); ++i) {
+    looks.push_back(scene.look(seed + i * kLookSeed));
+  }
+  return mean_frame(looks);
 }
 
 }  // namespace
@@ -72,7 +84,9 @@ Result<BopImage> SceneMaker::make(int k) const {
   BopImage image;
   image.im_id = k;
   const Walls walls{T_camera_bin, options_.bin_inner_size_m};
-  image.frame = observe(scene, options_.sensor, seed, &walls);
+  auto frame = look(StillScene(scene, options_.sensor, walls), seed, options_.looks_n);
+  if (!frame) return tl::unexpected(frame.error());
+  image.frame = *std::move(frame);
   const Rendering truth = render(options_.sensor.camera, scene);
   const std::vector<double> fractions = visible_fractions(truth, scene);
   for (std::size_t i = 0; i < parts_n; ++i) {

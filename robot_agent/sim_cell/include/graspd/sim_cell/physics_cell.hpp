@@ -85,8 +85,9 @@ class PhysicsCell {
   /// Whether the jaws were stopped by something between them.
   bool holds_something() const;
 
-  /// What the camera sees, with the robot out of view. First what still moves comes to rest; the
-  /// trace ends and another begins; and what lies in the place box is taken away.
+  /// What the camera sees, with the robot out of view. First what still moves comes to rest; and
+  /// where the robot has worked since the last frame, the trace ends and another begins, and what
+  /// lies in the place box is taken away.
   DepthFrame frame();
 
   /// Everything there is: bin, place box, parts, gripper and arm.

@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "graspd/simulation/render.hpp"
 #include "graspd/types/frame.hpp"
@@ -57,9 +59,28 @@ struct Walls {
   Eigen::Vector3d inner_size_m = Eigen::Vector3d::Zero();
 };
 
-/// One frame. The same scene, sensor and seed give the same bytes. With distortion coefficients in
-/// `sensor.camera` every pixel looks along its own, distorted ray.
-/// \param walls of the bin, or nullptr where there is none: no multipath then.
+/// What such a sensor has before it: drawn once, looked at any number of times.
+class StillScene {
+ public:
+  /// \param walls of the bin; none where there is none: no multipath then. With distortion
+  /// coefficients in `sensor.camera` every pixel looks along its own, distorted ray.
+  StillScene(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
+             const std::optional<Walls>& walls);
+
+  /// One frame. The same scene, sensor and seed give the same bytes.
+  DepthFrame look(std::uint64_t seed) const;
+
+ private:
+  KinectV2Parameters sensor_;
+  std::optional<Walls> walls_;
+  std::vector<Eigen::Vector3d> rays_;
+  Rendering fine_;  ///< several rays a pixel side, without distortion
+  // Of the drawing's pixels that see something.
+  std::vector<float> cos_incidence_;
+  std::vector<float> gloss_;
+};
+
+/// A single look at a scene. \param walls of the bin, or nullptr where there is none.
 DepthFrame observe(std::span<const SceneObject> scene, const KinectV2Parameters& sensor,
                    std::uint64_t seed, const Walls* walls = nullptr);
 

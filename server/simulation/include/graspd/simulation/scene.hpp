@@ -26,6 +26,7 @@ struct SceneOptions {
   double camera_height_m = 0.75;  ///< above the bin's floor
   double camera_tilt_rad = 0;     ///< about the bin's x axis, still towards the bin's centre
   double gloss = 0;               ///< of the parts; see SceneObject
+  int looks_n = 1;                ///< of which each frame is the mean; at most kMaxMeanFrames
   KinectV2Parameters sensor;
 };
 
