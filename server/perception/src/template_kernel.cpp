@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numbers>
 
 #include "graspd/perception/template_kernel.hpp"
@@ -59,42 +60,71 @@ void find_turns(const PoseTemplates& templates, const SampledReading& reading, f
   }
 }
 
+/// The reading in each turn, so that no load crosses a cache line.
+struct TurnedReading {
+  explicit TurnedReading(const SampledReading& reading) {
+    for (int turn = 0; turn < PoseTemplates::kTurns; ++turn) {
+      const int first = PoseTemplates::kRings * turn;
+      std::copy_n(reading.depths + first, PoseTemplates::kSamples, depths[turn]);
+      has_reading[turn] = std::rotr(reading.has_reading, first);
+    }
+  }
+  alignas(PoseTemplates::kSamples) std::int8_t depths[PoseTemplates::kTurns]
+                                                     [PoseTemplates::kSamples];
+  std::uint64_t has_reading[PoseTemplates::kTurns];
+};
+
+/// What a score asks for, without a division for each comparison.
+struct LeastExcess {
+  explicit LeastExcess(float min_score) {
+    // More than what is rounded, less than two scores of so few samples can differ by.
+    constexpr float kRounding = 1e-3F;
+    for (int compared_n = 0; compared_n <= PoseTemplates::kSamples; ++compared_n) {
+      const auto denominator = static_cast<float>(compared_n + kFewSamples);
+      of_compared[compared_n] =
+          static_cast<std::int32_t>(std::ceil(min_score * denominator - kRounding));
+    }
+  }
+  /// Samples that support less those that refute, by the number of those compared.
+  std::int32_t of_compared[PoseTemplates::kSamples + 1];
+};
+
 /// Compares with a run of a template's turns. \returns the end of the matches.
 TemplateMatch* compare(const PoseTemplates& templates, std::uint32_t index,
-                       const SampledReading& reading, std::uint32_t first_turn,
-                       std::uint32_t turns_n, const TemplateLimits& limits, TemplateMatch* next) {
+                       const TurnedReading& reading, std::uint32_t first_turn,
+                       std::uint32_t turns_n, const TemplateLimits& limits,
+                       const LeastExcess& least, TemplateMatch* next) {
   const hn::CappedTag<std::int8_t, PoseTemplates::kSamples> d;
+  constexpr std::size_t kLanes = hn::MaxLanes(d);
   const auto deeper = hn::Set(d, limits.tolerance);
   const auto nearer = hn::Neg(deeper);
   const std::int8_t* depths =
       templates.depths.data() + PoseTemplates::kSamples * std::size_t{index};
+  const std::uint64_t inside = templates.inside[index];
   for (std::uint32_t k = 0; k < turns_n; ++k) {
     // The first may lie below 0, which wraps as well: kTurns divides 2^32.
     const std::uint32_t turn = (first_turn + k) % PoseTemplates::kTurns;
-    const auto first = static_cast<int>(PoseTemplates::kRings * turn);
     std::uint64_t behind = 0;
     std::uint64_t in_front = 0;
-    for (std::size_t i = 0; i < PoseTemplates::kSamples; i += hn::Lanes(d)) {
+    for (std::size_t i = 0; i < PoseTemplates::kSamples; i += kLanes) {
       const auto error =
-          hn::SaturatedSub(hn::LoadU(d, reading.depths + first + i), hn::LoadU(d, depths + i));
+          hn::SaturatedSub(hn::Load(d, reading.depths[turn] + i), hn::LoadU(d, depths + i));
       behind |= bits_of(d, hn::Gt(error, deeper)) << i;
       in_front |= bits_of(d, hn::Lt(error, nearer)) << i;
     }
-    const std::uint64_t compared = templates.inside[index] & std::rotr(reading.has_reading, first);
+    const std::uint64_t compared = inside & reading.has_reading[turn];
+    const int compared_n = std::popcount(compared);
     const int support_n = std::popcount(compared & ~(behind | in_front));
-    const int refute_n = std::popcount(compared & behind);
-    const float score = static_cast<float>(support_n - refute_n) /
-                        static_cast<float>(std::popcount(compared) + kFewSamples);
-    // Written in any case, kept by moving on: which of them are kept can't be foreseen.
-    *next = {score, index, turn};
-    next += static_cast<int>(support_n >= limits.min_support_n) &
-            static_cast<int>(score >= limits.min_score);
+    const int excess_n = support_n - std::popcount(compared & behind);
+    if (excess_n < least.of_compared[compared_n] || support_n < limits.min_support_n) continue;
+    *next++ = {static_cast<float>(excess_n) / static_cast<float>(compared_n + kFewSamples), index,
+               turn};
   }
   return next;
 }
 
 void match_templates(const PoseTemplates& templates, const SampledReading& reading,
-                     TemplateLimits limits, TemplateMatches& matches) {
+                     const TemplateLimits& limits, TemplateMatches& matches) {
   // What is too many is dropped at once, and what is worse than the rest is not kept from then on.
   const std::size_t enough = kSlack * limits.most_n;
   matches.kept.resize(enough + PoseTemplates::kTurns + 1);
@@ -104,14 +134,16 @@ void match_templates(const PoseTemplates& templates, const SampledReading& readi
   matches.kept_n = 0;
   find_turns(templates, reading, limits.min_cosine, matches.first_turn.data(),
              matches.turns_n.data());
+  const TurnedReading turned(reading);
+  LeastExcess least(limits.min_score);
   for (std::uint32_t i = 0; i < templates.size(); ++i) {
     const auto turns_n = static_cast<std::uint32_t>(matches.turns_n[i]);
     const TemplateMatch* end =
-        compare(templates, i, reading, static_cast<std::uint32_t>(matches.first_turn[i]), turns_n,
-                limits, matches.kept.data() + matches.kept_n);
+        compare(templates, i, turned, static_cast<std::uint32_t>(matches.first_turn[i]), turns_n,
+                limits, least, matches.kept.data() + matches.kept_n);
     matches.compared_n += turns_n;
     matches.kept_n = static_cast<std::size_t>(end - matches.kept.data());
-    if (matches.kept_n > enough) limits.min_score = matches.keep_best(limits.most_n);
+    if (matches.kept_n > enough) least = LeastExcess(matches.keep_best(limits.most_n));
   }
 }
 
