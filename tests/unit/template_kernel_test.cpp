@@ -105,7 +105,7 @@ TEST(TemplateKernel, FindsTheBestAsOneSampleAfterTheOtherWould) {
       match_templates(templates, reading, limits, matches);
       std::vector<Match> found;
       for (std::size_t i = 0; i < matches.kept_n; ++i) {
-        found.emplace_back(-matches.kept[i].score, matches.kept[i].index, matches.kept[i].turn);
+        found.emplace_back(-matches.kept[i].score, matches.kept[i].index(), matches.kept[i].turn());
       }
       std::size_t compared_n = 0;
       EXPECT_EQ(found, match_by_hand(templates, normals, reading, normal, limits, compared_n));

@@ -156,11 +156,11 @@ class SeedView {
 
   /// The pose that lays a template's anchor on the seed.
   void lay(const PoseTemplates& templates, const TemplateMatch& match, PoseHypothesis& pose) const {
-    const Eigen::Vector2f& turned = kRing[match.turn];
+    const Eigen::Vector2f& turned = kRing[match.turn()];
     Eigen::Matrix3f R_ray_view;
     R_ray_view << turned.x(), -turned.y(), 0, turned.y(), turned.x(), 0, 0, 0, 1;
-    pose.R = R_camera_ray_ * R_ray_view * templates.R_view_part[templates.views[match.index]];
-    pose.t_m = seed_.p_m - pose.R * templates.anchors_m[match.index];
+    pose.R = R_camera_ray_ * R_ray_view * templates.R_view_part[templates.views[match.index()]];
+    pose.t_m = seed_.p_m - pose.R * templates.anchors_m[match.index()];
   }
 
  private:

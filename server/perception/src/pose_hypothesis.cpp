@@ -94,8 +94,12 @@ const parts::View& PoseVerifier::view(const PoseHypothesis& pose) const {
 }
 
 SurfaceSpan PoseVerifier::seen_surface(const PoseHypothesis& pose, std::size_t most) const {
+  return seen_surface(pose, view(pose), most);
+}
+
+SurfaceSpan PoseVerifier::seen_surface(const PoseHypothesis& pose, const parts::View& seen,
+                                       std::size_t most) const {
   const parts::PointArrays& all = part(pose).registration.points();
-  const parts::View& seen = view(pose);
   return {span_of(all, seen.first, std::min<std::size_t>(most, seen.points_n)),
           all.nx.data() + seen.first, all.ny.data() + seen.first, all.nz.data() + seen.first};
 }
@@ -104,22 +108,24 @@ Eigen::Vector3f PoseVerifier::barycentre_m(const PoseHypothesis& pose) const {
   return pose.in_camera(part(pose).barycentre_m.cast<float>());
 }
 
-void PoseVerifier::set_score(PoseHypothesis& pose, float support) const {
+void PoseVerifier::set_score(PoseHypothesis& pose, const parts::View& seen, float support) const {
   const auto refuted = static_cast<float>(parameters_.refuted_weight * pose.counts.refute_n);
   pose.fit = (support - refuted) / static_cast<float>(std::max(1, pose.counts.tested_n));
-  pose.score = pose.fit * view(pose).area_share;
+  pose.score = pose.fit * seen.area_share;
 }
 
 bool PoseVerifier::score(PoseHypothesis& pose, std::size_t points_n, double tolerance_m,
                          const EarlyStop& stop) const {
-  const PointSpan points = seen_surface(pose, points_n).points;
+  const parts::View& seen = view(pose);
+  const PointSpan points = seen_surface(pose, seen, points_n).points;
   pose.counts = count_evidence(grid_.for_kernel(), for_kernel(pose), points,
                                static_cast<float>(tolerance_m), stop);
   if (static_cast<std::size_t>(pose.counts.tested_n) < points.size) return false;
   // Each supporting point counts 1 − (error / tolerance)².
   const auto tolerance = static_cast<float>(tolerance_m) / PackedDepth::kUnit_m;
-  set_score(pose, static_cast<float>(pose.counts.support_n) -
-                      static_cast<float>(pose.counts.error2_sum) / (tolerance * tolerance));
+  set_score(pose, seen,
+            static_cast<float>(pose.counts.support_n) -
+                static_cast<float>(pose.counts.error2_sum) / (tolerance * tolerance));
   return true;
 }
 
@@ -130,7 +136,7 @@ std::optional<Refusal> PoseVerifier::score_finally(PoseHypothesis& pose) const {
       grid_.for_kernel(), grid_.normals.front().data(), for_kernel(pose), seen_surface(pose),
       {static_cast<float>(parameters_.inlier_tolerance_m), kSmallError2, kNormalWeight,
        kAgreeingCosine, kOpposingCosine});
-  set_score(pose, support);
+  set_score(pose, view(pose), support);
   const float leftover = leftover_share(pose);
   pose.confidence = confidence(pose, leftover);
   pose.fit = fit;

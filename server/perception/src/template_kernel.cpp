@@ -69,8 +69,8 @@ struct TurnedReading {
       has_reading[turn] = std::rotr(reading.has_reading, first);
     }
   }
-  alignas(PoseTemplates::kSamples) std::int8_t depths[PoseTemplates::kTurns]
-                                                     [PoseTemplates::kSamples];
+  alignas(
+      PoseTemplates::kSamples) std::int8_t depths[PoseTemplates::kTurns][PoseTemplates::kSamples];
   std::uint64_t has_reading[PoseTemplates::kTurns];
 };
 
@@ -138,6 +138,7 @@ void match_templates(const PoseTemplates& templates, const SampledReading& readi
   LeastExcess least(limits.min_score);
   for (std::uint32_t i = 0; i < templates.size(); ++i) {
     const auto turns_n = static_cast<std::uint32_t>(matches.turns_n[i]);
+    if (turns_n == 0) continue;
     const TemplateMatch* end =
         compare(templates, i, turned, static_cast<std::uint32_t>(matches.first_turn[i]), turns_n,
                 limits, least, matches.kept.data() + matches.kept_n);
@@ -154,10 +155,7 @@ HWY_AFTER_NAMESPACE();
 namespace graspd::perception {
 namespace {
 
-bool is_better(const TemplateMatch& a, const TemplateMatch& b) {
-  if (a.score != b.score) return a.score > b.score;
-  return a.index != b.index ? a.index < b.index : a.turn < b.turn;
-}
+bool is_better(const TemplateMatch& a, const TemplateMatch& b) { return a.rank() > b.rank(); }
 
 auto at(TemplateMatches& matches, std::size_t i) {
   return matches.kept.begin() + static_cast<std::ptrdiff_t>(i);

@@ -116,6 +116,8 @@ class PoseVerifier {
  private:
   /// The leading points of the pose's view.
   SurfaceSpan seen_surface(const PoseHypothesis& pose, std::size_t most = kAllPoints) const;
+  SurfaceSpan seen_surface(const PoseHypothesis& pose, const parts::View& seen,
+                           std::size_t most) const;
   std::size_t open_cells(const PoseHypothesis& pose, double tolerance_m,
                          std::span<const std::int32_t> offsets, CellMarks& marks,
                          std::uint32_t* cells) const;
@@ -123,7 +125,7 @@ class PoseVerifier {
   /// \param pose with the counts of all points and with the fit of `weigh_support`.
   float confidence(const PoseHypothesis& pose, float leftover) const;
   /// \param support of the points within tolerance, each by its weight.
-  void set_score(PoseHypothesis& pose, float support) const;
+  void set_score(PoseHypothesis& pose, const parts::View& seen, float support) const;
 
   const DepthGrid& grid_;
   std::span<const parts::Part* const> parts_;

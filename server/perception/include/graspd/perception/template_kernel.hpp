@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -32,9 +33,19 @@ struct TemplateLimits {
 };
 
 struct TemplateMatch {
-  float score;  ///< samples within tolerance less those behind, of those compared
-  std::uint32_t index;
-  std::uint32_t turn;
+  float score = 0;  ///< samples within tolerance less those behind, of those compared; above 0
+  std::uint32_t place = 0;
+
+  TemplateMatch() = default;
+  TemplateMatch(float match_score, std::uint32_t index, std::uint32_t turn)
+      : score(match_score), place(parts::PoseTemplates::kTurns * index + turn) {}
+  std::uint32_t index() const { return place / parts::PoseTemplates::kTurns; }
+  std::uint32_t turn() const { return place % parts::PoseTemplates::kTurns; }
+  /// Larger is better; the first template and turn of equal ones. Floats above 0 are in the order
+  /// of their bits.
+  std::uint64_t rank() const {
+    return std::uint64_t{std::bit_cast<std::uint32_t>(score)} << 32 | ~place;
+  }
 };
 
 /// What `match_templates` finds; made once and used again, so that nothing is allocated.
