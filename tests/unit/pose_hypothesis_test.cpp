@@ -94,7 +94,8 @@ TEST_F(OneBlock, RefinementBringsBackAPoseThatIsOff) {
 }
 
 TEST_F(OneBlock, ExplainsItsOwnPixels) {
-  const auto cells = verifier_.explained_cells(truth_, 0.01);
+  CellMarks marks(grid_.size());
+  const auto cells = verifier_.explained_cells(truth_, 0.01, marks);
   std::size_t of_part_n = 0, explained_n = 0;
   for (std::size_t i = 0; i < grid_.z_m.size(); ++i) {
     // The block, not the floor around it.

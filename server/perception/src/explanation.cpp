@@ -132,6 +132,7 @@ void explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
   sort_by_area(verifier, poses);
 
   // Once more, each among the others: what one claims hides what lies behind it.
+  CellMarks marks(grid.size());
   for (const std::uint32_t i : choose(grid, verifier, parameters, poses)) {
     if (is_late()) break;
     PoseHypothesis& pose = poses[i];
@@ -141,7 +142,7 @@ void explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
       return is_same_place(place_of(verifier, pose), place_of(verifier, other.pose));
     };
     if (refusal || std::ranges::any_of(explanation.parts, is_there_already)) continue;
-    explanation.parts.push_back({pose, verifier.explained_cells(pose, kClaimTolerance_m)});
+    explanation.parts.push_back({pose, verifier.explained_cells(pose, kClaimTolerance_m, marks)});
     grid.claim(explanation.parts.back().cells);
   }
   if (!explanation.refusal) explanation.refusal = nearest_miss.refusal();

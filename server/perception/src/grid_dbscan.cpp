@@ -56,17 +56,18 @@ class GridDbscan::Reach {
       visit(grid_.point_at_[there], grid_.distance2_m2(here.pixel, there));
     });
   }
+  /// Holds until the next one.
   auto common_with(std::uint32_t i) const {
     const Place& here = grid_.places_[i];
-    std::vector<std::size_t> neighbours;
+    neighbours_.clear();
     for (std::size_t t = 0; t < grid_.taps_n_[here.row]; ++t) {
       const std::size_t there = here.pixel + grid_.taps_[t].offset;
-      if (is_near(here.pixel, there)) neighbours.push_back(there);
+      if (is_near(here.pixel, there)) neighbours_.push_back(there);
     }
-    return [this, neighbours = std::move(neighbours)](std::uint32_t j) {
+    return [this](std::uint32_t j) {
       const std::size_t other = grid_.places_[j].pixel;
       return static_cast<std::size_t>(
-          std::count_if(neighbours.begin(), neighbours.end(),
+          std::count_if(neighbours_.begin(), neighbours_.end(),
                         [&](std::size_t there) { return is_near(other, there); }));
     };
   }
@@ -77,6 +78,7 @@ class GridDbscan::Reach {
   }
 
   const GridDbscan& grid_;
+  mutable std::vector<std::size_t> neighbours_;  ///< of the last `common_with`
 };
 
 GridDbscan::GridDbscan(const Cloud& cloud, float eps_m, int min_points_n)

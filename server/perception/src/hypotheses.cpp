@@ -229,6 +229,8 @@ class Places {
     side_m_ = std::max(kSamePlace_m, box_.sizes().maxCoeff() / kMostCubes);
     size_ = cell_of(box_.max()) + 1;
     first_.assign(static_cast<std::size_t>(size_.prod()), kNone);
+    next_.reserve(all_m.size());
+    places_m_.reserve(all_m.size());
   }
 
   void add(const Eigen::Vector3f& place_m) {
@@ -288,6 +290,7 @@ void keep_distinct(const PoseVerifier& verifier, Poses& poses, int per_place_n,
   sort_best_first(poses);
   const float same_trace = 1 + 2 * std::cos(same.angle_rad);
   std::vector<Eigen::Vector3f> barycentres_m;
+  barycentres_m.reserve(poses.size());
   for (const PoseHypothesis& pose : poses) barycentres_m.push_back(verifier.barycentre_m(pose));
   Places places(barycentres_m);
   std::size_t kept_n = 0;
@@ -337,6 +340,7 @@ HypothesesFound find_hypotheses(const DepthGrid& grid, const PoseVerifier& verif
                           std::span(slots).subspan(i * most, most));
   });
   HypothesesFound found;
+  found.poses.reserve(slots.size());
   for (std::size_t i = 0; i < proposed.size(); ++i) {
     found.compared_n += proposed[i].compared_n;
     const auto first = slots.begin() + static_cast<std::ptrdiff_t>(i * most);

@@ -265,10 +265,11 @@ std::optional<Refusal> PoseVerifier::refine(PoseHypothesis& pose) const {
 }
 
 std::vector<std::uint32_t> PoseVerifier::explained_cells(const PoseHypothesis& pose,
-                                                         double tolerance_m) const {
+                                                         double tolerance_m,
+                                                         CellMarks& marks) const {
   // The points are about a pixel apart.
   const std::int32_t around[] = {0, -1, 1, -grid_.width_px, grid_.width_px};
-  CellMarks marks(grid_.size());
+  marks.clear();
   std::vector<std::uint32_t> cells(std::size(around) * view(pose).points_n);
   cells.resize(open_cells(pose, tolerance_m, around, marks, cells.data()));
   return cells;

@@ -53,11 +53,6 @@ class Selection {
   }
 
  private:
-  struct Added {
-    float gain_m2 = 0;
-    std::vector<std::uint32_t> indices;
-  };
-
   /// What is explained more with a candidate that is not chosen than without it.
   float gain_m2(std::uint32_t index) const {
     const Candidate& candidate = candidates_[index];
@@ -82,11 +77,13 @@ class Selection {
     for (const std::uint32_t cell : candidates_[index].cells) --explained_n_[cell];
   }
 
-  /// Adds of `some` always what gains most, until nothing does.
-  Added add_best_of(std::span<const std::uint32_t> some) {
+  /// Adds of `some` always what gains most, until nothing does: `added_`.
+  /// \returns what that gains together.
+  float add_best_of(std::span<const std::uint32_t> some) {
     // Gains only fall while others are added, so that the first of the queue is the best as soon
     // as it is up to date.
-    std::vector<std::pair<float, std::uint32_t>> queue;
+    auto& queue = queue_;
+    queue.clear();
     for (const std::uint32_t i : some) {
       if (!is_chosen_[i]) queue.emplace_back(candidates_[i].area_m2, i);
     }
@@ -94,7 +91,8 @@ class Selection {
       return a.first != b.first ? a.first < b.first : a.second > b.second;
     };
     std::make_heap(queue.begin(), queue.end(), comes_later);
-    Added added;
+    added_.clear();
+    float gain_sum_m2 = 0;
     while (!queue.empty()) {
       std::pop_heap(queue.begin(), queue.end(), comes_later);
       const auto [before_m2, i] = queue.back();
@@ -107,10 +105,10 @@ class Selection {
         continue;
       }
       add(i);
-      added.gain_m2 += now_m2;
-      added.indices.push_back(i);
+      gain_sum_m2 += now_m2;
+      added_.push_back(i);
     }
-    return added;
+    return gain_sum_m2;
   }
 
   /// \returns whether any of the chosen gave way to others.
@@ -123,7 +121,8 @@ class Selection {
   }
 
   bool replace(std::uint32_t index) {
-    std::vector<std::uint32_t> rivals;
+    auto& rivals = rivals_;
+    rivals.clear();
     for (const std::uint32_t cell : candidates_[index].cells) {
       for (const std::uint32_t rival : by_cell_.at(cell)) {
         if (!is_chosen_[rival]) rivals.push_back(rival);
@@ -134,9 +133,8 @@ class Selection {
 
     remove(index);
     const float own_m2 = gain_m2(index);
-    const Added others = add_best_of(rivals);
-    if (others.gain_m2 > own_m2) return true;
-    for (const std::uint32_t rival : others.indices) remove(rival);
+    if (add_best_of(rivals) > own_m2) return true;
+    for (const std::uint32_t rival : added_) remove(rival);
     add(index);
     return false;
   }
@@ -146,6 +144,9 @@ class Selection {
   std::vector<std::uint16_t> explained_n_;  ///< by so many of the chosen, of each cell
   std::vector<bool> is_chosen_;
   std::vector<std::uint32_t> chosen_;
+  // Working memory.
+  std::vector<std::pair<float, std::uint32_t>> queue_;
+  std::vector<std::uint32_t> added_, rivals_;
 };
 
 }  // namespace

@@ -111,7 +111,8 @@ class PoseVerifier {
                                std::uint32_t* cells) const;
 
   /// The same with their neighbours.
-  std::vector<std::uint32_t> explained_cells(const PoseHypothesis& pose, double tolerance_m) const;
+  std::vector<std::uint32_t> explained_cells(const PoseHypothesis& pose, double tolerance_m,
+                                             CellMarks& marks) const;
 
  private:
   /// The leading points of the pose's view.
