@@ -55,24 +55,6 @@ void sort_by_area(const PoseVerifier& verifier, std::vector<PoseHypothesis>& pos
   });
 }
 
-/// Drops rough poses whose readings several better ones explain.
-void keep_promising(const DepthGrid& grid, const PoseVerifier& verifier,
-                    const RegistrationParameters& parameters, std::vector<PoseHypothesis>& poses) {
-  sort_by_area(verifier, poses);
-  const SupportingCells supporting(grid, verifier, poses, parameters.coarse_tolerance_m);
-  std::vector<std::uint8_t> rivals_n(grid.size(), 0);
-  std::size_t kept_n = 0;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const auto cells = supporting.of(i);
-    const auto open_n =
-        std::ranges::count_if(cells, [&](std::uint32_t cell) { return rivals_n[cell] < kRivals; });
-    if (static_cast<double>(open_n) <= kRivalShare * static_cast<double>(cells.size())) continue;
-    for (const std::uint32_t cell : cells) rivals_n[cell] += rivals_n[cell] < kRivals;
-    poses[kept_n++] = poses[i];
-  }
-  poses.resize(kept_n);
-}
-
 /// Refines each as if it were alone, and drops what the image or the floor refuses.
 void refine_alone(const PoseVerifier& verifier, const Scene& scene,
                   const RegistrationParameters& parameters, std::vector<PoseHypothesis>& poses,
@@ -122,6 +104,23 @@ std::vector<std::uint32_t> choose(const DepthGrid& grid, const PoseVerifier& ver
 }
 
 }  // namespace
+
+void keep_promising(const DepthGrid& grid, const PoseVerifier& verifier,
+                    const RegistrationParameters& parameters, std::vector<PoseHypothesis>& poses) {
+  sort_by_area(verifier, poses);
+  const SupportingCells supporting(grid, verifier, poses, parameters.coarse_tolerance_m);
+  std::vector<std::uint8_t> rivals_n(grid.size(), 0);
+  std::size_t kept_n = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto cells = supporting.of(i);
+    const auto open_n =
+        std::ranges::count_if(cells, [&](std::uint32_t cell) { return rivals_n[cell] < kRivals; });
+    if (static_cast<double>(open_n) <= kRivalShare * static_cast<double>(cells.size())) continue;
+    for (const std::uint32_t cell : cells) rivals_n[cell] += rivals_n[cell] < kRivals;
+    poses[kept_n++] = poses[i];
+  }
+  poses.resize(kept_n);
+}
 
 void explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
              std::vector<PoseHypothesis> poses, const RegistrationParameters& parameters,

@@ -24,15 +24,19 @@ constexpr float kSmallError2 = 4;
 constexpr float kAgreeingCosine = 0.9F;
 constexpr float kOpposingCosine = 0.5F;
 
-/// Log odds that a pose is right: logistic regression on 12,080 refined poses of 60 simulated
-/// tuning frames, of our six parts at 0.7 and 0.9 m. Fitted on five parts, the sixth's poses were
-/// in the right order with AUC 0.94; the score alone reaches 0.90.
+/// Log odds that a pose is right, from `./run bench confidence`.
 struct LogOdds {
   float at_zero, fit, refuted, log_support, leftover;
 };
-constexpr LogOdds kOdds{-19.14F, 4.40F, -104.3F, 3.017F, -5.375F};
+constexpr LogOdds kOdds{-16.668F, 5.145F, -119.19F, 2.632F, -8.320F};
 /// Fewer are taken for as many, as they were in the fit: small parts are not punished for that.
 constexpr std::int32_t kFewestThatCount = 200;
+
+float probability(const ConfidenceTerms& terms) {
+  return 1 /
+         (1 + std::exp(-(kOdds.at_zero + kOdds.fit * terms.fit + kOdds.refuted * terms.refuted +
+                         kOdds.log_support * terms.log_support + kOdds.leftover * terms.leftover)));
+}
 
 KernelPose for_kernel(const PoseHypothesis& pose) {
   KernelPose result{};
@@ -138,7 +142,7 @@ std::optional<Refusal> PoseVerifier::score_finally(PoseHypothesis& pose) const {
        kAgreeingCosine, kOpposingCosine});
   set_score(pose, view(pose), support);
   const float leftover = leftover_share(pose);
-  pose.confidence = confidence(pose, leftover);
+  pose.confidence = probability(confidence_terms(pose, leftover));
   pose.fit = fit;
   const auto refused = refusal(pose, leftover);
   if (refused) pose.score = 0;
@@ -175,13 +179,11 @@ std::optional<Refusal> PoseVerifier::refusal(const PoseHypothesis& pose, float l
   return std::nullopt;
 }
 
-float PoseVerifier::confidence(const PoseHypothesis& pose, float leftover) const {
+ConfidenceTerms PoseVerifier::confidence_terms(const PoseHypothesis& pose, float leftover) const {
   const PoseCounts& counts = pose.counts;
-  const float refuted =
-      static_cast<float>(counts.refute_n) / static_cast<float>(std::max(1, counts.tested_n));
-  const auto support = static_cast<float>(std::max(kFewestThatCount, counts.support_n));
-  return 1 / (1 + std::exp(-(kOdds.at_zero + kOdds.fit * pose.fit + kOdds.refuted * refuted +
-                             kOdds.log_support * std::log(support) + kOdds.leftover * leftover)));
+  return {pose.score / view(pose).area_share,
+          static_cast<float>(counts.refute_n) / static_cast<float>(std::max(1, counts.tested_n)),
+          std::log(static_cast<float>(std::max(kFewestThatCount, counts.support_n))), leftover};
 }
 
 float PoseVerifier::leftover_share(const PoseHypothesis& pose) const {

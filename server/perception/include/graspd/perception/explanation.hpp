@@ -20,6 +20,10 @@ struct Explanation {
   std::optional<Refusal> refusal;  ///< of the refused pose that came nearest
 };
 
+/// Drops rough poses whose readings several better ones explain: what is left is worth refining.
+void keep_promising(const DepthGrid& grid, const PoseVerifier& verifier,
+                    const RegistrationParameters& parameters, std::vector<PoseHypothesis>& poses);
+
 /// The parts that together explain most of the image. Promising poses are refined, each as if it
 /// were alone; of those that the image allows, the set is chosen that explains most; its members
 /// are refined once more, each among the others: what one claims speaks for no other.

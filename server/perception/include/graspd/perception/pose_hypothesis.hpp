@@ -38,6 +38,10 @@ struct PoseHypothesis {
   static PoseHypothesis of(const Eigen::Isometry3d& T_camera_part, std::uint32_t part = 0);
 };
 
+/// What the image says of a pose that was refined, for how probable it is.
+struct ConfidenceTerms {
+  float fit = 0, refuted = 0, log_support = 0, leftover = 0;
+};
 /// What its counts say, and its confidence as score.
 Evidence evidence_of(const PoseHypothesis& pose);
 
@@ -103,6 +107,9 @@ class PoseVerifier {
   /// Of the outline, the share beyond which the same surface goes on.
   float leftover_share(const PoseHypothesis& pose) const;
 
+  /// \param pose with the final score, above 0.
+  ConfidenceTerms confidence_terms(const PoseHypothesis& pose, float leftover) const;
+
   /// Writes the cells whose open readings lie within `tolerance_m` of the pose, each once: those
   /// that its points project to.
   /// \param marks of as many cells as the grid has; working memory.
@@ -123,8 +130,6 @@ class PoseVerifier {
                          std::span<const std::int32_t> offsets, CellMarks& marks,
                          std::uint32_t* cells) const;
   std::optional<Refusal> refusal(const PoseHypothesis& pose, float leftover) const;
-  /// \param pose with the counts of all points and with the fit of `weigh_support`.
-  float confidence(const PoseHypothesis& pose, float leftover) const;
   /// \param support of the points within tolerance, each by its weight.
   void set_score(PoseHypothesis& pose, const parts::View& seen, float support) const;
 
