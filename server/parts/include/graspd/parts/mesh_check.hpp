@@ -7,6 +7,7 @@
 
 namespace graspd::parts {
 
+/// Of an error, no part can be made.
 enum class Severity { kOk, kWarning, kError };
 
 struct MeshFinding {

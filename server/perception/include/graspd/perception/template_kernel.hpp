@@ -20,6 +20,7 @@ struct SampledReading {
   float normal_sine, normal_cosine, normal_turns;
 };
 
+/// What a match must be to be kept.
 struct TemplateLimits {
   float min_cosine = -2;       ///< between the reading's normal and the anchor's
   std::int8_t tolerance = 10;  ///< of depths
@@ -31,6 +32,7 @@ struct TemplateLimits {
   std::size_t most_n = 0;  ///< matches that are wanted
 };
 
+/// A template in one of its turns.
 struct TemplateMatch {
   float score;  ///< samples within tolerance less those behind, of those compared
   std::uint32_t index;
