@@ -20,8 +20,7 @@ Picture strip(std::span<const Picture> pictures, std::size_t count_n) {
   row.pixels.assign(static_cast<std::size_t>(row.width_px) * static_cast<std::size_t>(height_px),
                     kGapColor);
   for (std::size_t i = 0; i < shown_n; ++i) {
-    const Picture& picture =
-        pictures[shown_n == 1 ? 0 : i * (pictures.size() - 1) / (shown_n - 1)];
+    const Picture& picture = pictures[shown_n == 1 ? 0 : i * (pictures.size() - 1) / (shown_n - 1)];
     for (int y = 0; y < height_px; ++y) {
       std::copy_n(picture.pixels.begin() + std::ptrdiff_t(y) * width_px, width_px,
                   row.pixels.begin() + std::ptrdiff_t(y) * row.width_px +
