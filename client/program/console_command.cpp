@@ -60,7 +60,7 @@ Result<int> serve(const ConsoleArguments& arguments) {
   if (!fs::exists(options.page / "index.html")) {
     return invalid(
         "{}: the console's page was not built, for want of npm. Run `deploy/install-deps "
-        "--console`\nand build again; graspd-client from `./run package` has it.",
+        "--console`\nand `./run build`; graspd-client from `./run package` has it.",
         options.page.string());
   }
   // Frames go back to the system as soon as they were sent, whichever thread had them.

@@ -94,7 +94,7 @@ std::string DiffReport::add(const std::string& name,
 }
 
 std::string DiffReport::summary() const {
-  std::string text = fmt::format("{} answers", asked_n_);
+  std::string text = fmt::format("{} answer{}", asked_n_, asked_n_ == 1 ? "" : "s");
   if (failed_n_ > 0) text += fmt::format(", {} failed", failed_n_);
   if (failed_before_n_ > 0) text += fmt::format(", {} had failed before", failed_before_n_);
   if (same_n_ > 0) text += fmt::format(", {} the same to the bit", same_n_);

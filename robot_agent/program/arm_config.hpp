@@ -26,7 +26,7 @@ struct PileConfig {
   std::filesystem::path parts;  ///< the catalogue's folder
   std::uint32_t count_n = 30;   ///< of each part that the cell asks for
   std::uint32_t seed = 1;
-  std::filesystem::path film;  ///< an animation of the cell; empty: none is made
+  std::filesystem::path film;  ///< an animation of the cell, and a PNG beside it; empty: none
 };
 
 /// As ros_arm::DriverOptions, which is not in every build.

@@ -75,7 +75,8 @@ int check(const CheckArguments& arguments) {
   if (!description) return refuse(description.error());
   const auto mesh = parts::load_mesh(description->mesh_file, description->mesh_unit);
   if (!mesh) return refuse(mesh.error());
-  std::vector<parts::MeshFinding> findings = parts::check_mesh(*mesh, arguments.sensor);
+  std::vector<parts::MeshFinding> findings =
+      parts::check_mesh(*mesh, arguments.sensor, description->mesh_unit);
   std::optional<parts::Part> part;
   if (std::none_of(findings.begin(), findings.end(), is_error)) {
     if (auto made = parts::make_part(*description)) {

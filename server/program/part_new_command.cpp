@@ -95,7 +95,8 @@ struct CheckedMesh {
 
 Result<CheckedMesh> checked_mesh(const NewArguments& arguments,
                                  const parts::SensorResolution& sensor) {
-  auto mesh = parts::load_mesh(arguments.mesh, *parse_enum<parts::LengthUnit>(arguments.unit));
+  const auto unit = *parse_enum<parts::LengthUnit>(arguments.unit);
+  auto mesh = parts::load_mesh(arguments.mesh, unit);
   if (!mesh) return tl::unexpected(mesh.error());
   CheckedMesh checked;
   if (const std::size_t before_n = mesh->triangles.size(); before_n > onboarding::kMaxTriangles) {
@@ -108,7 +109,7 @@ Result<CheckedMesh> checked_mesh(const NewArguments& arguments,
                      "that.",
                      before_n, mesh->triangles.size(), decimated.error_m * 1e3)});
   }
-  std::ranges::move(parts::check_mesh(*mesh, sensor), std::back_inserter(checked.findings));
+  std::ranges::move(parts::check_mesh(*mesh, sensor, unit), std::back_inserter(checked.findings));
   checked.mesh = *std::move(mesh);
   return checked;
 }
@@ -228,8 +229,9 @@ int make_new(const NewArguments& arguments) {
   if (!forecast) return give_up(forecast.error());
   found.forecast = *std::move(forecast);
   found.commands = commands_of(arguments, *options, found.forecast.piles.front().parts_n);
-  say("forecast", "{} piles of {} parts in {:.0f} s", found.forecast.piles.size(),
-      found.forecast.piles.front().parts_n, found.forecast.duration_s);
+  say("forecast", "{} pile{} of {} parts in {:.0f} s", found.forecast.piles.size(),
+      found.forecast.piles.size() == 1 ? "" : "s", found.forecast.piles.front().parts_n,
+      found.forecast.duration_s);
 
   if (auto ok = onboarding::write_part_file(*version, remarks_of(found)); !ok) {
     return refuse(ok.error());

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "accuracy_report.hpp"
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/eval/mesh_part.hpp"
@@ -67,6 +68,7 @@ Result<Measured> measure(const Kinds& kinds, const parts::Catalogue& catalogue,
   std::vector<std::string> ids;
   for (const parts::Part* part : kinds) ids.push_back(part->id);
   Measured measured;
+  Progress progress(name, static_cast<std::size_t>(options.frames_n));
   for (int k = 0; k < options.frames_n; ++k) {
     const simulation::SceneOptions scene = scene_of(kinds, k, options);
     const auto maker = simulation::SceneMaker::create(catalogue, scene);
@@ -82,9 +84,8 @@ Result<Measured> measure(const Kinds& kinds, const parts::Catalogue& catalogue,
       measured.accuracy += *report->poses;
     }
     measured.times_ms.push_back(report->time_s * 1e3);
-    std::cerr << fmt::format("\r{}: frame {} of {} ", name, k + 1, options.frames_n);
+    progress.step();
   }
-  std::cerr << "\n";
   return measured;
 }
 

@@ -9,6 +9,7 @@
 
 #include "cell_report.hpp"
 #include "driven_arm.hpp"
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/perception/planner.hpp"
 #include "graspd/server_planner/server_planner.hpp"
@@ -95,20 +96,20 @@ Result<void> run_part(const parts::Part& part, const std::vector<Pipeline>& pipe
     for (const Pipeline& pipeline : pipelines) {
       const BinKey key{pipeline.name, part.id, options.seed + k};
       if (log.has(key)) continue;
-      int success_n = 0;
       BinJob job{part, pipeline, cell, carrier, std::nullopt};
       if (!options.gif.empty()) job.gif = options.gif;
+      const std::string what =
+          fmt::format("{} {} pile {} of {}", part.id, pipeline.name, k + 1, piles_n);
+      Progress placed(what + ": placed", static_cast<std::size_t>(options.parts_n));
       const auto bin = empty_bin(job, piles, planner, [&](const PickRow& pick) {
         log.add(key, pick);
-        success_n += pick.verdict == "SUCCESS";
-        std::cerr << fmt::format("\r{} {} pile {} of {}: {} of {} picks ", part.id, pipeline.name,
-                                 k + 1, piles_n, success_n, pick.pick_n);
+        if (pick.verdict == "SUCCESS") placed.step();
       });
       if (!bin) return tl::unexpected(bin.error());
       log.add(key, *bin);
-      std::cerr << fmt::format("\r{} {} pile {} of {}: {} of {} parts placed in {:.0f} s: {}\n",
-                               part.id, pipeline.name, k + 1, piles_n, bin->placed_n, bin->parts_n,
-                               bin->wall_s, bin->reason);
+      placed.hide();
+      std::cerr << fmt::format("{}: {} of {} parts placed in {:.0f} s: {}\n", what, bin->placed_n,
+                               bin->parts_n, bin->wall_s, bin->reason);
     }
   }
   return {};

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fcl_twin.hpp"
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/eval/quantile.hpp"
@@ -179,6 +180,7 @@ Result<Measured> measure(const parts::Catalogue& catalogue, const parts::Part& p
   const auto maker = simulation::SceneMaker::create(catalogue, scene_options);
   if (!maker) return tl::unexpected(maker.error());
   Measured measured;
+  Progress progress(part.id, static_cast<std::size_t>(options.frames_n));
   for (int k = 0; k < options.frames_n; ++k) {
     const auto image = maker->make(k);
     if (!image) return tl::unexpected(image.error());
@@ -186,9 +188,8 @@ Result<Measured> measure(const parts::Catalogue& catalogue, const parts::Part& p
     if (!frame) return tl::unexpected(frame.error());
     for (int again = 0; again < 3; ++again) time_stage(*frame, measured);
     compare(*frame, measured);
-    std::cerr << fmt::format("\r{}: frame {} of {} ", part.id, k + 1, options.frames_n);
+    progress.step();
   }
-  std::cerr << "\n";
   return measured;
 }
 

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "grasps_report.hpp"
 #include "grasps_runs.hpp"
@@ -66,13 +67,14 @@ Result<void> run(const Options& options) {
   }
   const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
   std::vector<JudgedPile> piles;
+  Progress progress("piles", static_cast<std::size_t>(options.piles_n));
   for (int k = 0; k < options.piles_n; ++k) {
     auto judged = judge_pile(pile_of(k, *catalogue, options), *catalogue, options.parameters);
     if (!judged) return fail(judged.error().code, "pile {}: {}", k, judged.error().message);
     piles.push_back(*std::move(judged));
-    std::cerr << fmt::format("\rpile {} of {} ", k + 1, options.piles_n);
+    progress.step();
   }
-  std::cerr << "\n";
+  progress.hide();
   std::cout << grasps_table(piles).to_markdown() << "\n" << causes_table(piles).to_markdown();
   const auto write = [&](const char* ending, const std::string& text) {
     return write_file(options.out + ending, text);

@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "graspd/client/client.hpp"
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/formats/table.hpp"
@@ -99,17 +100,18 @@ void run(const Options& options) {
   std::vector<Eigen::Vector2d> samples;  // frame, MB
   std::size_t light = 0;
   std::size_t heavy = 0;
+  Progress progress("frames", static_cast<std::size_t>(options.frames_n));
   for (int k = 1; k <= options.frames_n; ++k) {
     const bool is_heavy = k % options.heavy_every_n == 0;
     const Question& question = is_heavy ? questions.heavy[heavy++ % questions.heavy.size()]
                                         : questions.light[light++ % questions.light.size()];
     const auto answer = client.plan(question.frame, question.request, kBudget);
     if (!answer) throw std::runtime_error(answer.error().message);
+    progress.step();
     if (k % options.sample_every_n != 0) continue;
     samples.emplace_back(k, resident_mb(options.worker_pid));
-    std::cerr << fmt::format("\r{} frames: {:.1f} MB ", k, samples.back().y());
   }
-  std::cerr << "\n";
+  progress.hide();
   if (samples.empty()) throw std::invalid_argument("--frames: fewer than one sample's");
 
   Table raw({"frame", "rss_mb"});

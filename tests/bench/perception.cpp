@@ -20,14 +20,10 @@ struct Options {
 Result<void> run(const Options& options) {
   const auto catalogue = parts::Catalogue::load(options.parts);
   if (!catalogue) return tl::unexpected(catalogue.error());
-  const auto progress = [](const std::string& what) {
-    std::cerr << "\r" << what << "   " << std::flush;
-  };
-  const auto growth = measure_growth(*catalogue, options.growth, progress);
+  const auto growth = measure_growth(*catalogue, options.growth);
   if (!growth) return tl::unexpected(growth.error());
-  const auto runs = measure(*catalogue, options.measured, progress);
+  const auto runs = measure(*catalogue, options.measured);
   if (!runs) return tl::unexpected(runs.error());
-  std::cerr << "\n";
   std::cout << method_table(*runs).to_markdown() << "\n" << growth_table(*growth).to_markdown();
   std::ofstream(options.out / "perception.csv") << raw_table(*runs).to_csv();
   std::ofstream(options.out / "perception_growth.csv") << raw_growth_table(*growth).to_csv();

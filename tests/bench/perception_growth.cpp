@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "graspd/command_line/progress.hpp"
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/eval/quantile.hpp"
 #include "piles.hpp"
@@ -42,9 +43,8 @@ Result<GrowthRun> measure_one(const BopImage& image, int asked_n, const parts::C
 
 }  // namespace
 
-Result<std::vector<GrowthRun>> measure_growth(
-    const parts::Catalogue& catalogue, const GrowthOptions& options,
-    const std::function<void(const std::string&)>& progress) {
+Result<std::vector<GrowthRun>> measure_growth(const parts::Catalogue& catalogue,
+                                              const GrowthOptions& options) {
   const parts::Part* const part = catalogue.find(options.part_id);
   if (part == nullptr) return invalid("no part '{}' in the catalogue", options.part_id);
   const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
@@ -55,14 +55,15 @@ Result<std::vector<GrowthRun>> measure_growth(
     scene.seed = options.seed;
     const auto maker = simulation::SceneMaker::create(catalogue, scene);
     if (!maker) return tl::unexpected(maker.error());
+    Progress progress(fmt::format("{} parts", asked_n), static_cast<std::size_t>(options.frames_n));
     for (int k = 0; k < options.frames_n; ++k) {
-      progress(fmt::format("{} parts: frame {} of {}", asked_n, k + 1, options.frames_n));
       auto image = maker->make(k);
       if (!image) return tl::unexpected(image.error());
       image->instance.reset();
       const auto run = measure_one(*image, asked_n, catalogue, part->id, {});
       if (!run) return tl::unexpected(run.error());
       runs.push_back(*run);
+      progress.step();
     }
   }
   return runs;

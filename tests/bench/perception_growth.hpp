@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,9 +26,8 @@ struct GrowthRun {
 
 /// Piles of 5 to 100 of one part in a bin that has room for all of them.
 /// \returns the first failure to make a frame or to plan it.
-Result<std::vector<GrowthRun>> measure_growth(
-    const parts::Catalogue& catalogue, const GrowthOptions& options,
-    const std::function<void(const std::string&)>& progress);
+Result<std::vector<GrowthRun>> measure_growth(const parts::Catalogue& catalogue,
+                                              const GrowthOptions& options);
 
 /// Medians for one number of parts; `asked_n` is the same in all.
 GrowthRun median_of(const std::vector<GrowthRun>& runs, int asked_n);

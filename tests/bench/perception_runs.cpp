@@ -6,6 +6,7 @@
 #include <array>
 #include <ctime>
 
+#include "graspd/command_line/progress.hpp"
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/perception/planner.hpp"
 #include "graspd/perception/preprocess.hpp"
@@ -173,21 +174,21 @@ class PartBench {
 }  // namespace
 
 Result<std::vector<Run>> measure(const parts::Catalogue& catalogue,
-                                 const PerceptionOptions& options,
-                                 const std::function<void(const std::string&)>& progress) {
+                                 const PerceptionOptions& options) {
   std::vector<Run> runs;
   for (const parts::Part& part : catalogue.parts()) {
     const PartBench bench(catalogue, part);
     const auto frames = Frames::create(catalogue, part, options);
     if (!frames) return tl::unexpected(frames.error());
+    Progress progress(part.id, static_cast<std::size_t>(options.frames_n));
     for (int k = 0; k < options.frames_n; ++k) {
-      progress(fmt::format("{}: frame {} of {}", part.id, k + 1, options.frames_n));
       const auto image = frames->make(k);
       if (!image) return tl::unexpected(image.error());
       const bool with_peers = k < options.peer_frames_n;
       if (auto ok = bench.measure(*image, Frames::height_m(k), with_peers, runs); !ok) {
         return tl::unexpected(ok.error());
       }
+      progress.step();
     }
   }
   return runs;

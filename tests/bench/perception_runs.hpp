@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,10 +39,8 @@ inline constexpr const char* kGraspd = "graspd";             ///< with its defau
 inline constexpr const char* kGraspd2 = "graspd_two_cores";  ///< the same on two
 inline constexpr const char* kPaper = "graspd_paper";        ///< improved DBSCAN and PCA with ICP
 
-/// \param progress called before each frame with what it is.
 /// \returns the first failure to make a frame or to plan it.
 Result<std::vector<Run>> measure(const parts::Catalogue& catalogue,
-                                 const PerceptionOptions& options,
-                                 const std::function<void(const std::string&)>& progress);
+                                 const PerceptionOptions& options);
 
 }  // namespace graspd::bench

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/eval/quantile.hpp"
 #include "graspd/formats/table.hpp"
@@ -168,6 +169,7 @@ Result<Measured> measure(const parts::Catalogue& catalogue, const Options& optio
   const auto kinds_n = static_cast<int>(kinds.size());
   Measured measured;
   std::mt19937 random(1);
+  Progress progress("piles", static_cast<std::size_t>(options.piles_n));
   for (int k = 0; k < options.piles_n; ++k) {
     // One kind after the other, and between them all kinds together.
     std::vector<int> counts(kinds.size(), kParts / kinds_n);
@@ -178,9 +180,8 @@ Result<Measured> measure(const parts::Catalogue& catalogue, const Options& optio
     const auto pile = maker.drop(counts, kBin_m, static_cast<std::uint64_t>(options.seed + k));
     if (!pile) return tl::unexpected(pile.error());
     add(PileTruth(*pile, kBin_m, kinds, physics), random, measured);
-    std::cerr << fmt::format("\rpile {} of {} ", k + 1, options.piles_n);
+    progress.step();
   }
-  std::cerr << "\n";
   return measured;
 }
 

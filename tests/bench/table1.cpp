@@ -9,6 +9,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "graspd/command_line/progress.hpp"
 #include "graspd/command_line/run_program.hpp"
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/formats/table.hpp"
@@ -55,6 +56,7 @@ Result<ByMethod> measure_part(const parts::Catalogue& catalogue, const parts::Pa
   parameters.segmentation.min_points_n = 13;
   const parts::Part* const parts[] = {&part};
   ByMethod measured;
+  Progress progress(part.id, static_cast<std::size_t>(options.frames_n));
   for (int k = 0; k < options.frames_n; ++k) {
     const auto image = maker->make(k);
     if (!image) return tl::unexpected(image.error());
@@ -77,9 +79,8 @@ Result<ByMethod> measure_part(const parts::Catalogue& catalogue, const parts::Pa
                   std::to_string(accuracy.under_segmented_n),
                   fmt::format("{:.4f}", accuracy.kept()), fmt::format("{:.3f}", time.count())});
     }
-    std::cerr << fmt::format("\r{}: frame {} of {} ", part.id, k + 1, options.frames_n);
+    progress.step();
   }
-  std::cerr << "\n";
   return measured;
 }
 

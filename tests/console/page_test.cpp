@@ -11,6 +11,7 @@
 #include "../system/serve_process.hpp"
 #include "graspd/client/client.hpp"
 #include "graspd/codec/codec.hpp"
+#include "graspd/record/run_recorder.hpp"
 #include "graspd/recorded/questions.hpp"
 #include "temporary_folder.hpp"
 
@@ -78,10 +79,9 @@ class Child {
 /// `grasp console` on these flights.
 class ConsoleProcess {
  public:
-  ConsoleProcess(const fs::path& flights, const std::string& server, int port = 0)
-      : child_({GRASP, "console", "--flights", flights.string(), "--parts",
-                kSource + "/deploy/parts", "--server", server, "--listen",
-                fmt::format("127.0.0.1:{}", port)}) {
+  ConsoleProcess(const fs::path& flights, const std::string& server, int port = 0,
+                 const fs::path& records = {})
+      : child_(words(flights, server, port, records)) {
     const std::string line = child_.line();
     const std::size_t at = line.find("http://");
     if (at == std::string::npos) throw std::runtime_error("no console: " + line);
@@ -100,6 +100,17 @@ class ConsoleProcess {
   std::string url;
 
  private:
+  static std::vector<std::string> words(const fs::path& flights, const std::string& server,
+                                        int port, const fs::path& records) {
+    std::vector<std::string> all{GRASP,       "console",
+                                 "--flights", flights.string(),
+                                 "--parts",   kSource + "/deploy/parts",
+                                 "--server",  server,
+                                 "--listen",  fmt::format("127.0.0.1:{}", port)};
+    if (!records.empty()) all.insert(all.end(), {"--records", records.string()});
+    return all;
+  }
+
   Child child_;
 };
 
@@ -205,6 +216,11 @@ class ConsolePageTest : public ::testing::Test {
     if (n >= 100) fs::remove(name(n - 100));
   }
 
+  static std::vector<std::string> pictures() {
+    const char* folder = getenv("GRASPD_CONSOLE_PICTURES");
+    return folder == nullptr ? std::vector<std::string>{} : std::vector<std::string>{folder};
+  }
+
   /// \param hear is told each line that the scenario prints
   static void run_scenario(
       const std::string& name, const ConsoleProcess& console,
@@ -237,13 +253,47 @@ TEST_F(ConsolePageTest, APlanAppearsWithin200MsOfItsAnswer) {
 }
 
 TEST_F(ConsolePageTest, NothingOverlapsAndAxeFindsNothingSerious) {
-  const char* pictures = getenv("GRASPD_CONSOLE_PICTURES");
-  run_scenario(
-      "layout", console(),
-      pictures == nullptr ? std::vector<std::string>{} : std::vector<std::string>{pictures});
+  run_scenario("layout", console(), pictures());
 }
 
 TEST_F(ConsolePageTest, IsUsedWithMouseAndKeys) { run_scenario("use", console()); }
+
+// Of one plan the arm takes the second grasp, of the next one none.
+TEST_F(ConsolePageTest, SaysWhatTheArmCouldNotReach) {
+  const fs::path records = shared_->folder.path() / "records";
+  auto recorder = record::RunRecorder::create(records, "tees", std::chrono::system_clock::now(),
+                                              /*keep_frames=*/false)
+                      .value();
+  for (const std::uint64_t n : {1, 2}) {
+    copy_flight("out_of_reach", "tees", n);
+    const auto& bytes = shared_->recorded[n % shared_->recorded.size()].answer;
+    const auto answered = codec::decode_answer(std::as_bytes(std::span(bytes)));
+    const auto& answer = std::get<PlanAnswer>(answered.value().body);
+    ASSERT_GT(answer.grasps.size(), 1u);
+    agent::PickRecord record;
+    record.frame_n = n;
+    record.request_id = fmt::format("{:032x}", n);
+    record.outcome = n == 1 ? Outcome::kPlanned : Outcome::kNoneReachable;
+    record.grasps_n = answer.grasps.size();
+    const std::size_t passed_over_n = n == 1 ? 1 : answer.grasps.size();
+    for (std::size_t rank = 1; rank <= passed_over_n; ++rank) {
+      const Grasp& grasp = answer.grasps[rank - 1];
+      record.passed_over.push_back({rank, grasp.object_id, "tee", grasp.pick_point,
+                                    "approach: joint_3 would be at 2.9 rad, after 12 mm"});
+    }
+    if (n == 1) {
+      record.chosen = agent::ChosenGrasp{1, 2, "tee", answer.grasps[1], {}};
+      record.verdict = agent::Verdict::kPlaced;
+    } else {
+      record.message = "the arm can take none of the grasps";
+    }
+    ASSERT_TRUE(recorder.finished(record));
+  }
+  run_scenario(
+      "unreachable",
+      {shared_->folder.path() / "out_of_reach", shared_->server->data_endpoint, 0, records},
+      pictures());
+}
 
 TEST_F(ConsolePageTest, ListsAHundredCells) {
   for (int n = 0; n < 100; ++n) copy_flight("many", fmt::format("cell_{}", n), 0);

@@ -30,9 +30,15 @@ TEST(DemoTest, ServesFourCellsAndSaysWhereThePicturesAre) {
   }
   for (const char* film : {"simulated_tees.gif", "simulated_tees_2/simulated_tees.gif"}) {
     EXPECT_TRUE(std::filesystem::exists(folder.path() / film));
+    const auto strip = std::filesystem::path(film).replace_extension(".png");
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / strip));
     EXPECT_THAT(finished.output, HasSubstr(std::string("\n") + film + "  an arm"));
   }
+  EXPECT_THAT(finished.output,
+              HasSubstr(fmt::format("console --flights {0}/flights --records {0}/records",
+                                    folder.path().string())));
   for (const std::string cell : {"tees", "elbows"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "flights" / cell));
     const std::regex frame_line("\n" + cell + R"( +\d+  [A-Z_]+ )");
     const std::sregex_iterator lines(finished.output.begin(), finished.output.end(), frame_line);
     EXPECT_EQ(std::distance(lines, {}), 4) << cell << ":\n" << finished.output;

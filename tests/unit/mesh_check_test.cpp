@@ -7,9 +7,12 @@
 namespace graspd::parts {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 Mesh good_mesh() { return box_mesh({0, 0, 0}, {0.06F, 0.04F, 0.02F}, 4); }
 
@@ -63,6 +66,26 @@ TEST(CheckMesh, MetresDeclaredAsMillimetres) {
 TEST(CheckMesh, InchesDeclaredAsMillimetres) {
   EXPECT_THAT(only_fault(scaled(good_mesh(), 1 / 25.4F), "units", Severity::kWarning),
               HasSubstr("in instead of mm (then it is 74.83 mm across)"));
+}
+
+TEST(CheckMesh, TooSmallForABinSaysWhatTheCameraMakesOfIt) {
+  for (const MeshFinding& finding :
+       check_mesh(scaled(good_mesh(), 1 / 25.4F), {}, LengthUnit::kMillimetre)) {
+    EXPECT_NE(finding.topic, "size");
+    if (finding.topic != "units") continue;
+    EXPECT_THAT(finding.sentence,
+                AllOf(HasSubstr("its unit is probably in (then it is 74.83 mm across). If"),
+                      HasSubstr("pixels wide at 0.75 m; telling its pose takes 10.")));
+  }
+}
+
+TEST(CheckMesh, WhatIsNoSolidHasNoThickness) {
+  Mesh flat = good_mesh();
+  for (auto& vertex : flat.vertices_m) vertex.z() = 0;
+  std::vector<std::string> topics;
+  for (const MeshFinding& finding : check_mesh(flat, {})) topics.push_back(finding.topic);
+  EXPECT_THAT(topics, Contains("solid"));
+  EXPECT_THAT(topics, Not(Contains("size")));
 }
 
 TEST(CheckMesh, InsideOut) {

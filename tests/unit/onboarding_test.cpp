@@ -215,6 +215,40 @@ ForecastOptions few_piles() {
 }
 
 /// The score that `./run bench accuracy` gives the same piles.
+/// A box that jaws can take, with what the mesh's check is made to say.
+Onboarding onboarding_with(std::vector<parts::MeshFinding> findings) {
+  Onboarding found;
+  found.part = part_of(parts::box_mesh({0, 0, 0}, {0.06F, 0.04F, 0.02F}));
+  found.findings = std::move(findings);
+  found.forecast.piles.resize(6);
+  found.forecast.asked_n = 6;
+  return found;
+}
+
+TEST(Verdict, SaysAnUnlikelySizeOnceAndNothingThatFollowsFromIt) {
+  const auto small = onboarding_with({{parts::Severity::kWarning, "units", "It is too small."}});
+  const Verdict verdict = verdict_of(small);
+  EXPECT_EQ(verdict.fitness, Fitness::kPoor);
+  EXPECT_THAT(verdict.sentence, HasSubstr("is no part for this cell. It is too small."));
+  EXPECT_THAT(advice_for(small), ::testing::IsEmpty());
+}
+
+TEST(Advice, BlamesNoEdgesThatDecimationMade) {
+  const auto of_edges = ::testing::Contains(HasSubstr("3 edges"));
+  const parts::MeshFinding edges{parts::Severity::kWarning, "edges", "At 3 edges …"};
+  EXPECT_THAT(advice_for(onboarding_with({edges})), of_edges);
+  EXPECT_THAT(advice_for(onboarding_with({{parts::Severity::kOk, "decimated", ""}, edges})),
+              ::testing::Not(of_edges));
+}
+
+TEST(Advice, SaysTheTimeThatAllPilesWouldTake) {
+  auto cut_short = onboarding_with({});
+  cut_short.forecast.asked_n = 24;
+  cut_short.forecast.duration_s = 121;
+  EXPECT_THAT(advice_for(cut_short), ::testing::Contains(HasSubstr("6 of 24 piles")));
+  EXPECT_THAT(advice_for(cut_short), ::testing::Contains(HasSubstr("--limit-s 540")));
+}
+
 TEST(Forecast, ScoresAsTheAccuracyBenchDoes) {
   const auto tee = parts::read_part_file(parts::own_parts_folder() / "tee" / "part.yaml")
                        .and_then(parts::make_part);

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "graspd/simulation/picture.hpp"
+#include "graspd/simulation/strip.hpp"
 #include "temporary_folder.hpp"
 
 namespace graspd::simulation {
@@ -123,6 +123,25 @@ TEST(GifTest, WhatCannotBeWrittenIsNamed) {
   EXPECT_THAT(write_gif(folder.path() / "a.gif", std::vector{one, two}, 0.1).error().message,
               HasSubstr("different sizes"));
   EXPECT_THAT(write_gif(folder.path() / "no" / "a.gif", std::vector{one}, 0.1).error().message,
+              HasSubstr("can't be written"));
+}
+
+TEST(StripTest, HasTheFirstAndTheLastPictureAndThoseBetweenEvenlySpread) {
+  std::vector<Picture> pictures;
+  for (std::uint8_t i = 0; i < 7; ++i) pictures.push_back({2, 1, {Rgb{i, 0, 0}, Rgb{0, i, 0}}});
+  const Picture row = strip(pictures, 4);
+  ASSERT_EQ(row.width_px, 4 * 2 + 3 * 8);
+  ASSERT_EQ(row.pixels.size(), 32u);
+  for (std::uint8_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(row.pixels[i * 10u], (Rgb{static_cast<std::uint8_t>(2 * i), 0, 0}));
+    EXPECT_EQ(row.pixels[i * 10u + 1], (Rgb{0, static_cast<std::uint8_t>(2 * i), 0}));
+  }
+  EXPECT_EQ(row.pixels[2], (Rgb{255, 255, 255})) << "the gap";
+  EXPECT_EQ(strip(std::span(pictures).first(1), 4).width_px, 2);
+
+  const testing::TemporaryFolder folder;
+  EXPECT_TRUE(write_png(folder.path() / "row.png", row));
+  EXPECT_THAT(write_png(folder.path() / "no" / "row.png", row).error().message,
               HasSubstr("can't be written"));
 }
 

@@ -15,7 +15,7 @@ const clock = (stamp_s) => new Date(1000 * stamp_s).toLocaleTimeString('en-GB');
 
 export function describe(line) {
   const what = line.pick?.verdict ? `grasp ${line.pick.rank} ${line.pick.verdict.toLowerCase()}`
-                                  : (line.outcome || line.code).toLowerCase().replaceAll('_', ' ');
+                                  : (line.pick?.outcome || line.outcome || line.code).toLowerCase().replaceAll('_', ' ');
   return `${clock(line.stamp_s)} · ${what} · ${milliseconds(line.server_ms)}`;
 }
 

@@ -18,6 +18,7 @@ const kRejections = [
   ['held part would touch', 'rejected_held_part_n'],
 ];
 const count = (n) => Math.round(n).toLocaleString('en');
+const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}.`;
 const plural = (n, what) => `${count(n)} ${what}${n === 1 ? '' : 's'}`;
 
 // The answer's grasps, each with what speaks against it.
@@ -44,20 +45,21 @@ export function show_outcome(flight, pick, summary) {
     words.textContent = flight.message;
     return;
   }
-  const { outcome, reason, warnings, grasps, objects, fill_level } = flight.answer;
+  const { reason, warnings, grasps, objects, fill_level } = flight.answer;
+  const outcome = pick?.outcome || flight.answer.outcome;  // the server does not know the arm
   const [kind, text] = kOutcomes[outcome] ?? ['quiet', outcome];
   tag.dataset.kind = kind;
   tag.textContent = text;
   const sentences = [];
   if (grasps.length > 0) sentences.push(`${plural(grasps.length, 'grasp')} on ${plural(objects.length, 'part')}.`);
-  if (reason) sentences.push(`${reason[0].toUpperCase()}${reason.slice(1)}.`);
+  if (reason) sentences.push(sentence(reason));
   if (fill_level !== undefined) sentences.push(`The bin is ${Math.round(100 * fill_level)} % full.`);
   if (pick?.verdict) {
     sentences.push(`The arm took grasp ${pick.rank}: ${pick.verdict.toLowerCase()} after ${pick.cycle_s.toFixed(1)} s.`);
   } else if (pick?.message && pick.message !== reason) {
-    sentences.push(`${pick.message}.`);
+    sentences.push(sentence(pick.message));
   }
-  for (const warning of warnings ?? []) sentences.push(`${warning}.`);
+  for (const warning of warnings ?? []) sentences.push(sentence(warning));
   if (summary?.alarm) sentences.push(`Drift alarm: ${summary.alarm}.`);
   words.textContent = sentences.join(' ').replaceAll('..', '.');
 }

@@ -31,12 +31,18 @@ std::string between(int hits_n, int all_n) {
   return fmt::format("{:.0f} to {:.0f} %", 100 * interval.low, 100 * interval.high);
 }
 
-/// What the camera can't resolve, as the mesh's check says it.
-const parts::MeshFinding* unresolved(const Onboarding& onboarding) {
-  const auto found = std::ranges::find_if(onboarding.findings, [](const auto& finding) {
-    return finding.topic == "size" && finding.severity != parts::Severity::kOk;
+/// What is wrong with this topic, as the mesh's check says it.
+const parts::MeshFinding* fault_of(const Onboarding& onboarding, std::string_view topic) {
+  const auto found = std::ranges::find_if(onboarding.findings, [&](const auto& finding) {
+    return finding.topic == topic && finding.severity != parts::Severity::kOk;
   });
   return found == onboarding.findings.end() ? nullptr : &*found;
+}
+
+/// What the camera can't resolve; or the size that is none of a part.
+const parts::MeshFinding* unresolved(const Onboarding& onboarding) {
+  const auto* units = fault_of(onboarding, "units");
+  return units != nullptr ? units : fault_of(onboarding, "size");
 }
 
 std::vector<double> openings_m(const Onboarding& onboarding) {
@@ -58,12 +64,15 @@ std::string counts_sentence(const Onboarding& onboarding) {
       percent(share(forecast.pickable_n(), poses.objects_n())));
 }
 
-void advise_camera(const Onboarding& onboarding, std::vector<std::string>& advice) {
+/// \param said by the verdict already
+void advise_camera(const Onboarding& onboarding, const parts::MeshFinding* said,
+                   std::vector<std::string>& advice) {
   for (const auto& finding : onboarding.findings) {
     const bool is_of_camera = finding.topic == "size" || finding.topic == "walls";
-    if (is_of_camera && finding.severity != parts::Severity::kOk)
+    if (is_of_camera && &finding != said && finding.severity != parts::Severity::kOk)
       advice.push_back(finding.sentence);
   }
+  if (said != nullptr) return;
   const auto& scene = onboarding.options.scene;
   const double nearest_m = scene.sensor.min_depth_m + scene.bin_inner_size_m.z();
   const double nearer_m = std::max(nearest_m, kNearerShare * scene.camera_height_m);
@@ -149,7 +158,11 @@ Verdict verdict_of(const Onboarding& onboarding) {
   }
   if (const auto* finding = unresolved(onboarding)) {
     return {Fitness::kPoor,
-            fmt::format("This camera can't resolve {} here. {}", id, finding->sentence)};
+            fmt::format("{} {}",
+                        finding->topic == "units"
+                            ? fmt::format("As it is, {} is no part for this cell.", id)
+                            : fmt::format("This camera can't resolve {} here.", id),
+                        finding->sentence)};
   }
   const double right = share(onboarding.forecast.first_right_n(),
                              static_cast<int>(onboarding.forecast.piles.size()));
@@ -165,18 +178,25 @@ Verdict verdict_of(const Onboarding& onboarding) {
 
 std::vector<std::string> advice_for(const Onboarding& onboarding) {
   std::vector<std::string> advice;
-  advise_camera(onboarding, advice);
+  const auto* const said = unresolved(onboarding);
+  advise_camera(onboarding, said, advice);
   advise_gripper(onboarding, advice);
+  const bool is_decimated = std::ranges::any_of(
+      onboarding.findings, [](const auto& finding) { return finding.topic == "decimated"; });
   for (const auto& finding : onboarding.findings) {
-    const bool is_said = finding.topic == "size" || finding.topic == "walls";
+    // Decimation makes edges of its own, which no CAD program has.
+    const bool is_said = finding.topic == "size" || finding.topic == "walls" || &finding == said ||
+                         (is_decimated && finding.topic == "edges");
     if (!is_said && finding.severity != parts::Severity::kOk) advice.push_back(finding.sentence);
   }
   const Forecast& forecast = onboarding.forecast;
   if (static_cast<int>(forecast.piles.size()) < forecast.asked_n) {
+    const double all_s = forecast.duration_s * forecast.asked_n / double(forecast.piles.size());
     advice.push_back(fmt::format(
-        "The forecast stopped after {} of {} piles, when its {:.0f} s were over: say --limit-s for "
-        "narrower intervals.",
-        forecast.piles.size(), forecast.asked_n, onboarding.options.limit_s));
+        "The forecast stopped after {} of {} piles, when its {:.0f} s were over: --limit-s {:.0f} "
+        "gives this machine time for all of them, and narrower intervals.",
+        forecast.piles.size(), forecast.asked_n, onboarding.options.limit_s,
+        60 * std::ceil(all_s / 60)));
   }
   return advice;
 }
@@ -188,7 +208,8 @@ std::vector<Figure> figures_of(const Onboarding& onboarding) {
   const int objects_n = poses.objects_n(), pickable_n = forecast.pickable_n();
   std::vector<Figure> figures{
       {"Piles with a right first grasp", percent(share(forecast.first_right_n(), piles_n)),
-       between(forecast.first_right_n(), piles_n), fmt::format("{} piles", piles_n)},
+       between(forecast.first_right_n(), piles_n),
+       fmt::format("{} pile{}", piles_n, piles_n == 1 ? "" : "s")},
       {"Parts found (recall)", percent(poses.recall()), between(poses.found_n(), objects_n),
        fmt::format("{} parts that show half or more", objects_n)},
       {"Answers right (precision)", percent(poses.precision()),

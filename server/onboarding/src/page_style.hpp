@@ -21,7 +21,7 @@ p { margin: .4rem 0; max-width: 46rem; }
 .good { border-color: var(--good); } .good b { color: var(--good); }
 .fair { border-color: var(--fair); } .fair b { color: var(--fair); }
 .poor { border-color: var(--poor); } .poor b { color: var(--poor); }
-.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(11rem, 1fr)); gap: .8rem; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(11rem, 45%), 1fr)); gap: .8rem; }
 figure { margin: 0; break-inside: avoid; }
 figure img { width: 100%; height: auto; display: block; border-radius: .25rem; }
 figcaption { margin-top: .3rem; line-height: 1.35; }
@@ -30,6 +30,10 @@ th, td { text-align: left; padding: .4rem .7rem .4rem 0; border-bottom: 1px soli
 th { font-weight: 600; }
 .scroll { overflow-x: auto; }
 .number { white-space: nowrap; }
+@media screen and (max-width: 36rem) {
+  .figures tr { display: grid; grid-template-columns: 1fr 6rem 6.5rem; border-bottom: 1px solid var(--line); }
+  .figures th, .figures td { border: 0; } .figures th:nth-child(4) { display: none; }
+  .figures td:nth-child(4) { grid-column: 1 / -1; padding-top: 0; color: var(--soft); } }
 .warning { color: var(--fair); font-weight: 600; }
 pre { background: var(--plate); padding: .8rem 1rem; overflow-x: auto; border-radius: .25rem; white-space: pre-wrap;
   overflow-wrap: anywhere; font-size: .9rem; }

@@ -88,7 +88,11 @@ std::string headline(const Onboarding& onboarding) {
 
 std::string advice_section(const Onboarding& onboarding) {
   const auto advice = advice_for(onboarding);
-  if (advice.empty()) return "<h2>What to change</h2>\n<p>Nothing that these piles show.</p>\n";
+  if (advice.empty()) {
+    // The headline says what is wrong with a part that is not fit, and these piles nothing more.
+    if (verdict_of(onboarding).fitness == Fitness::kPoor) return "";
+    return "<h2>What to change</h2>\n<p>Nothing that these piles show.</p>\n";
+  }
   std::string items;
   for (const std::string& sentence : advice)
     items += fmt::format("<li>{}</li>\n", escaped(sentence));
@@ -114,7 +118,7 @@ std::string forecast_section(const Onboarding& onboarding) {
   }
   const PileForecast& first = onboarding.forecast.piles.front();
   return fmt::format(
-      "<h2>Forecast</h2>\n<p>{} piles of {} parts fall into the bin in physics; a simulated Kinect "
+      "<h2>Forecast</h2>\n<p>{} of {} parts fall into the bin in physics; a simulated Kinect "
       "v2 "
       "sees each, the planner of this build plans it, and its poses are compared with the true "
       "ones: "
@@ -123,11 +127,14 @@ std::string forecast_section(const Onboarding& onboarding) {
       "than half of themselves count neither way. The intervals take parts as independent of each "
       "other, which those of one pile are not quite; a real camera and real parts will "
       "differ.</p>\n"
-      "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">What</th><th "
+      "<div class=\"scroll figures\"><table><thead><tr><th scope=\"col\">What</th><th "
       "scope=\"col\">Figure</th>"
       "<th scope=\"col\">95 %</th><th "
       "scope=\"col\">Of</th></tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
-      onboarding.forecast.piles.size(), first.parts_n, rows);
+      onboarding.forecast.piles.size() == 1
+          ? "1 pile"
+          : fmt::format("{} piles", onboarding.forecast.piles.size()),
+      first.parts_n, rows);
 }
 
 std::string pick_point_section(const Onboarding& onboarding) {

@@ -44,6 +44,10 @@ class Findings {
                                      [&](const MeshFinding& f) { return f.topic == topic; });
     if (!has_one) add(Severity::kOk, topic, format, std::forward<Args>(args)...);
   }
+  bool has_error() const {
+    return std::ranges::any_of(findings_,
+                               [](const MeshFinding& f) { return f.severity == Severity::kError; });
+  }
   std::vector<MeshFinding> take() { return std::move(findings_); }
 
  private:
@@ -80,13 +84,20 @@ Eigen::Vector3d sorted_extents_m(const Mesh& mesh) {
   return extents;
 }
 
-void check_units(double diameter, const Eigen::Vector3d& extents, Findings& findings) {
+void check_units(double diameter, const Eigen::Vector3d& extents, const SensorResolution& sensor,
+                 std::optional<LengthUnit> declared, Findings& findings) {
   const bool is_impossible = diameter < kMinDiameter_m || diameter > kMaxDiameter_m;
-  if (is_impossible || diameter < kSmallPart_m || diameter > kLargePart_m) {
+  const bool is_small = diameter < kSmallPart_m;
+  if (is_impossible || is_small || diameter > kLargePart_m) {
+    const double across_px = sensor.focal_length_px * extents[1] / sensor.distance_m;
     findings.add(is_impossible ? Severity::kError : Severity::kWarning, "units",
-                 "The part is {:.4g} mm across, too {} for a bin of parts: {}.", diameter * 1e3,
-                 diameter < kSmallPart_m ? "small" : "large",
-                 probable_unit(diameter, std::nullopt));
+                 "The part is {:.4g} mm across, too {} for a bin of parts: {}.{}", diameter * 1e3,
+                 is_small ? "small" : "large", probable_unit(diameter, declared),
+                 is_impossible || !is_small
+                     ? std::string()
+                     : fmt::format(" If its unit is right, it is {:.1f} pixels wide at {:.2f} m; "
+                                   "telling its pose takes {:.0f}.",
+                                   across_px, sensor.distance_m, kMinPixelsAcross));
   }
   findings.add_if_none("units", "The part measures {:.1f} × {:.1f} × {:.1f} mm.", extents[0] * 1e3,
                        extents[1] * 1e3, extents[2] * 1e3);
@@ -269,7 +280,8 @@ void check_walls(const Mesh& mesh, const SensorResolution& sensor, Findings& fin
 
 }  // namespace
 
-std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& sensor) {
+std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& sensor,
+                                    std::optional<LengthUnit> declared) {
   Findings findings;
   if (mesh.triangles.empty()) {
     findings.add(Severity::kError, "triangles",
@@ -279,15 +291,15 @@ std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& se
   const MeshTopology topology = analyse_topology(mesh);
   const Eigen::Vector3d extents = sorted_extents_m(mesh);
   const double diameter = diameter_m(mesh);
-  check_units(diameter, extents, findings);
+  check_units(diameter, extents, sensor, declared, findings);
   check_normals(mesh, topology, findings);
   check_solid(mesh, topology, extents, diameter, findings);
   check_edges(mesh, topology, findings);
   check_triangles(mesh, topology, findings);
   check_pieces(topology, findings);
   say_symmetries(mesh, findings);
-  // Of a part in the wrong unit, pixels say nothing.
-  if (diameter >= kSmallPart_m && diameter <= kLargePart_m) {
+  // Of a part in the wrong unit, pixels say nothing, nor of what is no solid.
+  if (diameter >= kSmallPart_m && diameter <= kLargePart_m && !findings.has_error()) {
     check_size(extents, sensor, findings);
     if (topology.is_closed()) check_walls(mesh, sensor, findings);
   }

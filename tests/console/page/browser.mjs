@@ -32,7 +32,7 @@ export async function open_page({ width = 1280, height = 720, scheme = 'light', 
     globalThis.shown = [];
     document.addEventListener('planshown', ({ detail }) => {
       globalThis.shown.push({ ...detail, after_ms: Date.now() - 1000 * detail.stamp_s, loaded_ms: performance.now() });
-      if (globalThis.shown.length > 2000) globalThis.shown.shift();
+      if (globalThis.shown.length > 200) globalThis.shown.shift();  // memory is measured, too
     });
   });
   await page.goto(url);

@@ -1,11 +1,14 @@
 #include "graspd/simulated/film.hpp"
 
+#include "graspd/simulation/strip.hpp"
+
 namespace graspd::agent {
 namespace {
 
 constexpr double kTakenEvery_s = 0.4, kShownFor_s = 0.1;
 /// 15 s to look at, and 10 MB. An even number.
 constexpr std::size_t kMostPictures = 150;
+constexpr std::size_t kStripPictures = 4;
 
 }  // namespace
 
@@ -39,7 +42,9 @@ void Film::take() {
 Result<void> Film::write(const std::filesystem::path& path) const {
   std::vector<simulation::Picture> pictures = pictures_;
   pictures.push_back(cell_.picture(view_));
-  return simulation::write_gif(path, pictures, kShownFor_s);
+  if (auto ok = simulation::write_gif(path, pictures, kShownFor_s); !ok) return ok;
+  return simulation::write_png(std::filesystem::path(path).replace_extension(".png"),
+                               simulation::strip(pictures, kStripPictures));
 }
 
 }  // namespace graspd::agent

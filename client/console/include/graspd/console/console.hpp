@@ -14,6 +14,7 @@
 /// writes nothing.
 namespace graspd::console {
 
+/// What a console shows, and where it listens.
 struct ConsoleOptions {
   std::vector<std::filesystem::path> flights;  ///< folders of servers' flight recorders
   std::vector<std::filesystem::path> records;  ///< folders with agents' runs in them
@@ -38,6 +39,7 @@ class Console {
   Console& operator=(Console&&) noexcept;
   ~Console();
 
+  /// http://HOST:PORT, with the port that it got.
   const std::string& url() const;
 
  private:

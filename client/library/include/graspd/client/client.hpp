@@ -19,6 +19,7 @@
 
 namespace graspd::client {
 
+/// In whose name a client asks, and how.
 struct ClientOptions {
   std::string cell = "default";  ///< whose turn a request counts as: one name per robot cell
   DepthEncoding encoding = DepthEncoding::kRaw;
@@ -27,6 +28,7 @@ struct ClientOptions {
   DispatchOptions dispatch;
 };
 
+/// One server's answer, or why there was none.
 struct ServerHealth {
   std::string endpoint;
   Result<HealthAnswer> health;

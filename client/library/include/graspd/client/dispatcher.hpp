@@ -15,6 +15,7 @@ namespace graspd::client {
 using Clock = std::chrono::steady_clock;
 using TimePoint = Clock::time_point;
 
+/// How long to wait for whom, and how often to try.
 struct DispatchOptions {
   /// Where another server could be asked, how long to wait for one. With nobody else to ask, an
   /// attempt may take all of the budget that is left.
@@ -43,7 +44,9 @@ class Dispatcher {
   /// `only`: ask this server, once (health).
   void add(const RequestId& id, TimePoint now, TimePoint deadline,
            std::optional<std::size_t> only = std::nullopt);
+  /// From now on it may be asked.
   void connected(std::size_t server);
+  /// What it was asked is asked elsewhere, or again when it is back.
   void disconnected(std::size_t server, TimePoint now);
   /// The server does not take our key. Its calls go elsewhere; those that have nowhere else to go
   /// end with `why`.
@@ -53,16 +56,19 @@ class Dispatcher {
   /// The socket took nothing: the attempt has not been one.
   void not_sent(const RequestId& id, TimePoint now);
 
+  /// A request that is to be sent.
   struct Attempt {
     RequestId id{};
     std::size_t server = 0;
     std::uint32_t number = 1;
     std::chrono::milliseconds budget{0};
   };
+  /// A call that ends without an answer.
   struct Failed {
     RequestId id{};
     Error error;
   };
+  /// What is to be done now, and when to look again.
   struct Step {
     std::vector<Attempt> attempts;  ///< to be sent now
     std::vector<Failed> failed;

@@ -11,6 +11,7 @@ namespace graspd::load {
 /// And this machine could send them.
 bool is_sustained(const Run& run);
 
+/// What `find_capacity` found.
 struct Capacity {
   double capacity_hz = 0;  ///< the highest rate that was tried and sustained; 0: none
   Run peak;                ///< in a closed loop

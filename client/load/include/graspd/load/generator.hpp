@@ -26,6 +26,7 @@ struct Cell {
   std::shared_ptr<const std::vector<client::PreparedPlan>> plans;
 };
 
+/// One request, as it was planned.
 struct Asked {
   RequestId id{};
   std::size_t cell = 0;
@@ -34,6 +35,7 @@ struct Asked {
   std::chrono::milliseconds budget{0};
 };
 
+/// The same request, and what became of it.
 struct Ended : Asked {
   TimePoint handed_over;  ///< to the client
   client::PlanEnd end;
@@ -45,6 +47,7 @@ struct Observer {
   std::function<void(const Ended&)> ended;  ///< once, from any thread; must not wait
 };
 
+/// Whom the cells ask, and for how long.
 struct GeneratorOptions {
   std::vector<std::string> endpoints;
   std::chrono::milliseconds budget{10'000};  ///< from the planned instant
@@ -94,6 +97,7 @@ class ClosedLoop {
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
+  /// No further requests; waits for what is in flight.
   void stop();
 
  private:

@@ -9,6 +9,7 @@
 /// Open loop: requests are due at planned instants, whether or not earlier ones have ended.
 namespace graspd::load {
 
+/// One request of an open loop.
 struct Due {
   TimePoint at;
   std::size_t cell = 0;

@@ -10,11 +10,13 @@
 
 namespace graspd::load {
 
+/// Requests at planned instants.
 struct OpenLoad {
   /// Told when it starts.
   std::function<Pace(TimePoint start)> pace;
   double rate_hz = 0;  ///< of all cells together; 0 where the pace is not a rate
 };
+/// Each answer brings the next request.
 struct ClosedLoad {
   int in_flight_n = 1;  ///< of each cell
 };
@@ -29,6 +31,7 @@ struct RunOptions {
   int max_windows_n = 10;
 };
 
+/// What was seen of one load.
 struct Run {
   bool is_open = false;         ///< loop
   double rate_hz = 0;           ///< asked for; 0 where the load is not a rate

@@ -30,6 +30,7 @@ struct Quantiles {
   double p999 = 0;
   double most = 0;
 };
+/// \param values in any order; between two of them the lower one counts.
 Quantiles quantiles_of(std::vector<double> values);
 
 /// 1 where all have the same, 1/n where one has all. 1 where there is nothing to share.

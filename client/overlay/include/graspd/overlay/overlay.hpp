@@ -30,6 +30,7 @@ struct View {
 /// for each frame of the same scene, within a few pixels. Scaled up to about a thousand pixels.
 View view_of(const DepthFrame& frame, const PlanRequest& request);
 
+/// 8 bits a channel, sRGB.
 struct RgbImage {
   int width_px = 0;
   int height_px = 0;

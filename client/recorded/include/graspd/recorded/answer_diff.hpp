@@ -27,6 +27,7 @@ struct GraspChange {
   double new_score = 0;
 };
 
+/// What differs, and where it began.
 struct AnswerDiff {
   /// The first stage whose results differ, as far as answers have them: counts of the funnel, the
   /// fill level, then objects, then grasps. Nothing: the stages agree.

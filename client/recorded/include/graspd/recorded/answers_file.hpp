@@ -34,6 +34,7 @@ class AnswersWriter {
   std::ofstream file_;
 };
 
+/// Reads what `AnswersWriter` wrote, line by line.
 class AnswersReader {
  public:
   /// \returns INVALID_ARGUMENT where there is no such file.

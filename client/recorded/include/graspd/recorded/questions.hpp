@@ -12,6 +12,7 @@
 /// the server's flight recorder keeps.
 namespace graspd::recorded {
 
+/// One frame with its request, and what was said to it then.
 struct Question {
   std::string name;    ///< "frame 12", "tees/2026-11-22T14-43-58.123456Z_0123….flight"
   FlightRecord asked;  ///< a rawlog says nothing of cell and server, and its answer is below alone
@@ -19,6 +20,7 @@ struct Question {
   std::optional<Result<PlanAnswer>> answered;
 };
 
+/// A recording, question by question. Belongs to one thread.
 class Questions {
  public:
   virtual ~Questions() = default;

@@ -69,6 +69,7 @@ Result<std::string> plan_answer_json(Bytes envelope);
 Result<std::string> request_from_json(std::string_view plan_request_json,
                                       const FrameDescription& frame);
 
+/// What of an envelope changes from one attempt to the next.
 struct RequestHeader {
   RequestId id{};
   std::uint32_t attempt = 1;
@@ -78,9 +79,11 @@ struct RequestHeader {
 /// The same request under another header.
 Result<std::string> with_header(Bytes envelope, const RequestHeader& header);
 
+/// More than that is no flight record.
 inline constexpr std::size_t kMaxFlightRecord_bytes =
     kMaxRequestEnvelope_bytes + kMaxPayload_bytes + kMaxAnswer_bytes + 4096;
 
+/// With a checksum over request, image and answer.
 std::string encode_flight(const FlightRecord& record);
 /// What the record holds has been neither cut nor damaged, and is yet to be decoded.
 /// \returns INVALID_ARGUMENT

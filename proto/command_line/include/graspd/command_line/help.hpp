@@ -16,14 +16,16 @@ void set_help(CLI::App& command, std::string_view notes, const std::vector<std::
 
 /// What set_help has been given, wrapped.
 std::string notes_of(const CLI::App& command);
+/// What set_help has been given, each a whole line.
 std::vector<std::string> examples_of(const CLI::App& command);
 
-/// The commands of a program that are for people, depth first: it, then those below.
+/// A command of a program.
 /// \param path the program's name and those of the commands, parted by spaces
 struct Command {
   std::string path;
   const CLI::App* app;
 };
+/// Those for people, depth first: the program, then the commands below it.
 std::vector<Command> commands_of(const CLI::App& program);
 
 /// An option as people write it.
@@ -34,6 +36,7 @@ struct OptionHelp {
   std::string text;  ///< what it does, what it may be, what it is by default
   bool is_required = false;
 };
+/// Those for people; hidden ones are left out.
 std::vector<OptionHelp> options_of(const CLI::App& command);
 
 }  // namespace graspd

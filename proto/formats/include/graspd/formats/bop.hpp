@@ -21,17 +21,20 @@
 ///     SCENE_DIR/instance/000000.png     our extension: 0 background, k the k-th entry of scene_gt
 namespace graspd {
 
+/// Where one part truly lies.
 struct BopTruth {
   int obj_id = 0;
   Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
   double visible_fraction = 1;  ///< visible pixels / pixels without occlusion
 };
 
+/// Our extension of scene_camera.json. The bin's frame: middle of its floor, z up.
 struct BopBin {
   Eigen::Isometry3d T_camera_bin = Eigen::Isometry3d::Identity();
   Eigen::Vector3d inner_size_m = Eigen::Vector3d::Zero();
 };
 
+/// One image of a scene, with what is known of it.
 struct BopImage {
   int im_id = 0;
   DepthFrame frame;
@@ -45,6 +48,8 @@ struct BopImage {
 /// above the scene whose z points against the camera's.
 PlanRequest request_for(const BopImage& image, const std::vector<std::string>& part_ids);
 
+/// A scene folder. The JSON files are read when it is opened, images one by one; safe from many
+/// threads.
 class BopScene {
  public:
   /// \returns INVALID_ARGUMENT where the folder, scene_camera.json or a field in it is wrong.
@@ -53,6 +58,8 @@ class BopScene {
   int scene_id() const { return scene_id_; }
   const std::vector<int>& image_ids() const { return image_ids_; }
   const std::filesystem::path& directory() const { return directory_; }
+  /// \returns INVALID_ARGUMENT for a number that the scene does not have, and for files that are
+  /// not as BOP has them.
   Result<BopImage> read(int im_id) const;
 
  private:
@@ -68,7 +75,9 @@ class BopScene {
 class BopSceneWriter {
  public:
   explicit BopSceneWriter(std::filesystem::path directory);
+  /// Writes the image's files at once. \returns INVALID_ARGUMENT where that can't be done.
   Result<void> add(const BopImage& image);
+  /// Writes the JSON files.
   Result<void> finish();
 
  private:
@@ -78,6 +87,7 @@ class BopSceneWriter {
   std::map<int, std::string> gt_info_;
 };
 
+/// One line of a results file: a pose that was estimated.
 struct BopResult {
   int scene_id = 0;
   int im_id = 0;

@@ -10,6 +10,7 @@
 /// Files that describe a cell: its camera's calibration, its bin, its gripper.
 namespace graspd {
 
+/// What is known of a camera beside its frames.
 struct CameraCalibration {
   CameraIntrinsics camera;
   double depth_scale_m = 0.001;
@@ -39,6 +40,7 @@ struct Cell {
   std::optional<Bin> bin;
   Gripper gripper;
 };
+/// Other keys are faults. \returns INVALID_ARGUMENT with one line per fault.
 Result<Cell> read_cell(const std::filesystem::path& path);
 
 }  // namespace graspd

@@ -26,6 +26,7 @@ Eigen::Matrix<double, 6, 1> depth_correction_terms(const Eigen::Vector3d& ray);
 /// A correction, made ready for the frames of one camera.
 class DepthCorrector {
  public:
+  /// Computes the terms of every pixel, along its undistorted ray.
   DepthCorrector(const DepthCorrection& correction, const CameraIntrinsics& camera);
   /// \param frame of this camera's size. A pixel without a reading stays without one.
   void correct(DepthFrame& frame) const;

@@ -18,6 +18,7 @@ struct Image16 {
 /// \returns INVALID_ARGUMENT where the file is not there, damaged, or not 16-bit with one channel
 /// (8-bit images with one channel are widened).
 Result<Image16> read_png16(const std::filesystem::path& path);
+/// \returns INVALID_ARGUMENT where the file can't be written.
 Result<void> write_png16(const std::filesystem::path& path, const Image16& image);
 
 }  // namespace graspd

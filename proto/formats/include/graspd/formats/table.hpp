@@ -9,6 +9,7 @@ namespace graspd {
 class Table {
  public:
   explicit Table(std::vector<std::string> header) : header_(std::move(header)) {}
+  /// As many cells as the header has.
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
   bool is_empty() const { return rows_.empty(); }
   std::string to_text() const;

@@ -25,6 +25,7 @@ class YamlMap {
   /// Leaves `value` as it is where the key is absent: defaults live in code.
   template <class T>
   void optional(std::string_view key, T& value);
+  /// An absent key is a fault.
   template <class T>
   void required(std::string_view key, T& value);
   /// As `optional`, for an enumeration by its names.
@@ -34,6 +35,7 @@ class YamlMap {
   bool has(std::string_view key);
   /// An empty map where the key is absent.
   YamlMap map(std::string_view key);
+  /// None where the key is absent.
   std::vector<YamlMap> list_of_maps(std::string_view key);
 
   /// Adds a fault at this key (or, with an empty key, at the map), for rules a type can't say.

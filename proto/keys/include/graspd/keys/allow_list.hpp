@@ -24,6 +24,7 @@ class AllowList {
   /// The cell that a public key belongs to. Valid as long as the list.
   std::optional<std::string_view> cell_of(std::string_view public_key) const;
   const std::vector<PublicKey>& entries() const { return entries_; }
+  /// A sentence for each line that is wrong, with its place.
   const std::vector<std::string>& faults() const { return faults_; }
 
  private:

@@ -17,11 +17,13 @@
 /// holds a key.
 namespace graspd::keys {
 
+/// A line of a .pub file.
 struct PublicKey {
   std::string cell;
   std::string public_key;
 };
 
+/// A line of a .key file. Its last member goes nowhere but into that file and the socket.
 struct KeyPair {
   std::string cell;
   std::string public_key;
@@ -35,6 +37,7 @@ Result<void> validate_cell_name(std::string_view cell);
 /// \throws std::runtime_error where this machine's libzmq was built without CURVE.
 KeyPair make_key_pair(std::string cell);
 
+/// The two files of a pair.
 struct KeyPaths {
   std::filesystem::path secret;
   std::filesystem::path public_key;
@@ -45,6 +48,7 @@ Result<KeyPaths> write_key_pair(const KeyPair& pair, const std::filesystem::path
 
 /// \returns INVALID_ARGUMENT for a file that others than its user may read, too.
 Result<KeyPair> read_key_pair(const std::filesystem::path& path);
+/// \returns INVALID_ARGUMENT for a file that is none, a secret key's among them.
 Result<PublicKey> read_public_key(const std::filesystem::path& path);
 
 /// What a client needs where servers authenticate.
@@ -52,6 +56,8 @@ struct ClientKeys {
   std::string server_key;  ///< of all its servers: they share one pair
   KeyPair own;
 };
+/// \param server_key the server's .pub file. \param key_file the cell's own .key file. \returns
+/// INVALID_ARGUMENT as the two above.
 Result<ClientKeys> read_client_keys(const std::filesystem::path& server_key,
                                     const std::filesystem::path& key_file);
 

@@ -12,6 +12,7 @@
 /// What agents write down of their runs, read again: by whoever sums them up or shows them.
 namespace graspd::pick_records {
 
+/// A grasp that the arm could not take.
 struct PassedOver {
   std::uint64_t rank = 0;  ///< from 1, of the answer's grasps
   std::string reason;
@@ -37,6 +38,7 @@ struct PickLine {
   bool is_pick() const { return !verdict.empty(); }
 };
 
+/// One run of one agent.
 struct Run {
   std::filesystem::path folder;
   std::string cell;

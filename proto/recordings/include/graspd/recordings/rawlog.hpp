@@ -14,6 +14,7 @@
 /// in the JSON of graspd.v1.
 namespace graspd {
 
+/// One observation, and what was asked and answered with it.
 struct RecordedFrame {
   DepthFrame frame;
   double stamp_s = 0;  ///< since 1970
@@ -25,6 +26,7 @@ struct RecordedFrame {
   // NOLINTEND(readability-redundant-member-init)
 };
 
+/// Writes one rawlog. Belongs to one thread.
 class RawlogWriter {
  public:
   /// \returns INVALID_ARGUMENT where the file can't be made.

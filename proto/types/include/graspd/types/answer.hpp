@@ -37,7 +37,10 @@ struct EnumNames<Outcome> {
       {Outcome::kNoneReachable, "NONE_REACHABLE"}};
 };
 
+/// What a grasp is checked for: the gripper's stroke; the gripper against what was seen, against
+/// the other parts and against the bin; the part it lifts against the other parts and the walls.
 enum class Check { kOpening, kGripperCloud, kGripperParts, kGripperBin, kHeldPart };
+/// A check that is off, or lacks what it needs, is `kNotRun` and never passes silently.
 enum class CheckState { kPassed, kFailed, kNotRun };
 
 template <>
@@ -59,6 +62,7 @@ struct EnumNames<CheckState> {
       {CheckState::kNotRun, "not_run"}};
 };
 
+/// One check of one grasp.
 struct CheckReport {
   Check check = Check::kOpening;
   CheckState state = CheckState::kNotRun;
@@ -96,6 +100,7 @@ struct GrsTerms {
   double cover = 0;  ///< how much of other parts lies over it, each as a share of that part
 };
 
+/// A part that was recognised.
 struct Object {
   std::uint32_t id = 0;
   std::string part_id;
@@ -114,6 +119,8 @@ struct Object {
   std::vector<float> outline_px;  ///< u, v, u, v, … closed; only where asked for
 };
 
+/// How the gripper takes one object. From `standoff_m` before the pose it goes straight along the
+/// grasp frame's z, closes, and lifts by `retreat_m` along base z.
 struct Grasp {
   std::uint32_t object_id = 0;
   std::string pick_point;  ///< "principal_axis", or the taught point's name
@@ -126,6 +133,7 @@ struct Grasp {
   std::vector<CheckReport> checks;
 };
 
+/// One stage of the pipeline, wall time.
 struct StageTiming {
   std::string stage;
   std::int64_t duration_ns = 0;
@@ -138,6 +146,8 @@ struct ServerInfo {
   std::string config_hash;
 };
 
+/// What a server says of one frame. Ids are the answer's own: `objects` have them, all else refers
+/// to them.
 struct PlanAnswer {
   Outcome outcome = Outcome::kPlanned;
   std::string reason;  ///< one sentence, for every outcome but PLANNED

@@ -11,6 +11,7 @@ namespace graspd {
 template <class E>
 struct EnumNames;
 
+/// "?" for a value that the table does not have.
 template <class E>
 constexpr std::string_view name_of(E value) {
   for (const auto& [candidate, name] : EnumNames<E>::values) {
@@ -19,6 +20,7 @@ constexpr std::string_view name_of(E value) {
   return "?";
 }
 
+/// The value of that name, by the letter; nothing where there is none.
 template <class E>
 constexpr std::optional<E> parse_enum(std::string_view text) {
   for (const auto& [candidate, name] : EnumNames<E>::values) {

@@ -15,11 +15,14 @@
 
 namespace graspd {
 
+/// Of `graspd.v1`; PROTOCOL.md has the bytes, and what may change within a version.
 inline constexpr std::uint32_t kProtocolVersion = 1;
+/// Larger messages are refused before anything of them is decoded.
 inline constexpr std::size_t kMaxRequestEnvelope_bytes = 128 * 1024;
 inline constexpr std::size_t kMaxPayload_bytes = 1024 * 1024;
 inline constexpr std::size_t kMaxAnswer_bytes = 256 * 1024;
 
+/// Random; the same for each attempt of one request.
 using RequestId = std::array<std::uint8_t, 16>;
 
 /// As logs, records and file names have it.
@@ -27,6 +30,7 @@ inline std::string hexadecimal(const RequestId& id) {
   return fmt::format("{:02x}", fmt::join(id, ""));
 }
 
+/// How the payload holds the depth image: little-endian uint16, or RVL (Wilson 2017), without loss.
 enum class DepthEncoding { kRaw, kRvl };
 
 template <>
@@ -45,12 +49,15 @@ struct FrameDescription {
   std::uint32_t payload_crc32 = 0;  ///< CRC-32 as in zlib and PNG
 };
 
+/// "Plan this frame", without the frame's bytes.
 struct PlanCall {
   FrameDescription frame;
   PlanRequest plan;
 };
+/// "How are you?"
 struct HealthCall {};
 
+/// Whatever comes to a server.
 struct Request {
   RequestId id{};
   std::uint32_t attempt = 1;
@@ -59,6 +66,7 @@ struct Request {
   std::variant<PlanCall, HealthCall> call;
 };
 
+/// What a probe is told: work is wanted by `kReady` alone.
 enum class ServerState { kStarting, kReady, kDraining };
 
 template <>
@@ -86,12 +94,14 @@ struct CodeCount {
   Code code = Code::kOk;
   std::uint64_t answers_n = 0;
 };
+/// Of one stage of the pipeline, since the server started.
 struct StageTotal {
   std::string stage;
   std::uint64_t runs_n = 0;
   std::int64_t total_ns = 0;
 };
 
+/// How a server is, and what it can plan with.
 struct HealthAnswer {
   ServerState state = ServerState::kStarting;
   std::uint32_t workers_n = 0;

@@ -35,12 +35,14 @@ struct DepthFrame {
   /// say. Stays in the cell: the server needs no clock.
   std::optional<std::chrono::nanoseconds> stamp = std::nullopt;
 
+  /// The reading in column u and row v; the caller keeps within the image.
   std::uint16_t at(int u, int v) const {
     return depth[static_cast<std::size_t>(v) * static_cast<std::size_t>(camera.width_px) +
                  static_cast<std::size_t>(u)];
   }
 };
 
+/// Larger images are refused by `validate`.
 inline constexpr int kMaxImageSide_px = 2048;
 
 /// The checks every frame passes before anything is computed from it: sizes, focal lengths, centre

@@ -16,6 +16,7 @@
 /// `T_a_b` is the pose of b in a and maps b's coordinates to a's.
 namespace graspd {
 
+/// How the cloud is divided into parts: see `segmentation_method`.
 enum class Segmentation {
   kServerDefault,
   kImprovedDbscan,
@@ -24,9 +25,14 @@ enum class Segmentation {
   kRegionGrowing,
   kGridDbscan
 };
+/// How a part's pose is found: see `registration_method`, and `register_verified`.
 enum class Registration { kServerDefault, kPcaIcp, kSacIaIcp, kNdtIcp, kVerified };
+/// Whether the highest GRS is grasped first, as the paper's text has it, or the lowest, as its
+/// equation.
 enum class GraspOrder { kServerDefault, kDescending, kAscending };
+/// What stands for P_system in the GRS: the paper's count of shared points, or the pile graph.
 enum class PSystem { kServerDefault, kCount, kSupport };
+/// What grasps are ranked by.
 enum class Strategy { kServerDefault, kGrs, kHighest, kMostVisible, kNearest, kPreferredApproach };
 enum class GripperKind { kParallelJaw, kSuction };
 
@@ -78,6 +84,7 @@ struct EnumNames<GripperKind> {
       {GripperKind::kParallelJaw, "parallel_jaw"}, {GripperKind::kSuction, "suction"}};
 };
 
+/// A box open at the top. Its walls stand outside of `inner_size_m`.
 struct Bin {
   Eigen::Isometry3d T_base_bin = Eigen::Isometry3d::Identity();
   Eigen::Vector3d inner_size_m = Eigen::Vector3d::Zero();  ///< x, y, and z from floor to rim
@@ -90,6 +97,7 @@ struct CropBox {
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
 };
 
+/// A gripper as boxes, in the grasp frame.
 struct Gripper {
   GripperKind kind = GripperKind::kParallelJaw;
   double min_opening_m = 0;     ///< between the jaws' inner faces
@@ -103,11 +111,13 @@ struct Gripper {
   double cup_diameter_m = 0;                      ///< suction only
 };
 
+/// One kind of part that may be in the bin.
 struct RequestedPart {
   std::string id;
   double priority = 0;  ///< higher first among equal grasps
 };
 
+/// What a caller may choose for one plan; by default the server does.
 struct PlanOptions {
   Segmentation segmentation = Segmentation::kServerDefault;
   Registration registration = Registration::kServerDefault;
@@ -133,6 +143,7 @@ struct LastObject {
   double visible_fraction = 0;
 };
 
+/// The plan before this one, for the displacement check.
 struct LastPlan {
   std::vector<LastObject> objects;
   std::optional<std::uint32_t> picked_object_id;  ///< left out of the displacement check
@@ -147,6 +158,8 @@ struct FailedSpot {
   std::string reason;  ///< for whoever reads the request: a short sentence
 };
 
+/// What is to be grasped, where, and with what. Either a bin or a crop box, or neither: then the
+/// whole frame is looked at.
 struct PlanRequest {
   Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
   std::optional<Bin> bin;

@@ -53,6 +53,7 @@ struct Error {
   std::string message;
 };
 
+/// What is wanted, or why there is none.
 template <class T>
 using Result = tl::expected<T, Error>;
 
@@ -62,6 +63,7 @@ tl::unexpected<Error> fail(Code code, fmt::format_string<Args...> format, Args&&
   return tl::unexpected<Error>(Error{code, fmt::format(format, std::forward<Args>(args)...)});
 }
 
+/// `fail` with INVALID_ARGUMENT.
 template <class... Args>
 tl::unexpected<Error> invalid(fmt::format_string<Args...> format, Args&&... args) {
   return fail(Code::kInvalidArgument, format, std::forward<Args>(args)...);

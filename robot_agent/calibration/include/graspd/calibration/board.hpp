@@ -12,6 +12,7 @@
 /// be seen in part and upside down.
 namespace graspd::calibration {
 
+/// As it was printed.
 struct Board {
   int columns_n = 0;  ///< of squares
   int rows_n = 0;
@@ -24,6 +25,7 @@ struct Board {
   Eigen::Vector2d size_m() const { return {columns_n * square_m, rows_n * square_m}; }
 };
 
+/// 8 bits a pixel.
 struct GrayImage {
   int width_px = 0;
   int height_px = 0;

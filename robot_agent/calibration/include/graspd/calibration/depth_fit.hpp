@@ -9,6 +9,7 @@
 /// the same moment tells.
 namespace graspd::calibration {
 
+/// A frame that shows the board, and where the board truly is.
 struct DepthView {
   std::string name;
   DepthFrame depth;
@@ -21,6 +22,7 @@ struct DepthError {
   double rms_m = 0;   ///< noise included
 };
 
+/// A correction, and how much better it makes frames that it was not fitted to.
 struct DepthFit {
   DepthCorrection correction;
   DepthError before;

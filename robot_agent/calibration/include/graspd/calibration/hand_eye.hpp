@@ -17,6 +17,7 @@ struct FlangeView {
   BoardView board;
 };
 
+/// What is known of image and arm, and what is refused.
 struct HandEyeOptions {
   std::size_t min_views_n = 8;
   double corner_sigma_px = 0.2;
@@ -33,6 +34,7 @@ struct ViewError {
   double rotation_rad = 0;
 };
 
+/// Where camera and board stand, and how sure that is.
 struct HandEye {
   Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_flange_board = Eigen::Isometry3d::Identity();

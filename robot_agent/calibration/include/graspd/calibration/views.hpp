@@ -7,6 +7,8 @@
 
 namespace graspd::calibration {
 
+/// What of a moment was recorded; the arm's pose and the depth image where the calibration needs
+/// them.
 struct RecordedView {
   std::string name;  ///< of the image's file
   GrayImage image;

@@ -13,6 +13,7 @@ namespace graspd::agent {
 /// or its reason for BIN_NOT_FOUND. Nothing where it says nothing of the kind.
 std::optional<double> bin_drift_m(const PlanAnswer& answer);
 
+/// When a drift counts as one.
 struct DriftPolicy {
   double limit_m = 0.006;
   std::uint32_t answers_n = 5;  ///< in a row

@@ -10,6 +10,7 @@ namespace graspd::agent {
 /// Angles of an arm's joints in radians, from the base outwards.
 using Joints = Eigen::VectorXd;
 
+/// Where the joints are at one time of a motion.
 struct JointPoint {
   double t_s = 0;  ///< since the start of the motion
   Joints q_rad;

@@ -11,6 +11,7 @@ namespace graspd::agent {
 /// Less than this between two reports is an arm that stands: encoders tick, and belts creep.
 inline constexpr double kStill_rad = 1e-4;
 
+/// What still counts as following a trajectory.
 struct WatchLimits {
   double start_tolerance_rad = 0.05;  ///< of the first point from where the arm stands
   double goal_tolerance_rad = 0.01;

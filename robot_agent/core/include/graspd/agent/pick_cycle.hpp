@@ -17,6 +17,7 @@
 
 namespace graspd::agent {
 
+/// What the cycle is at. CLEAR_VIEW is the first; DONE and STOPPED are the last ones.
 enum class State {
   kClearView,
   kAcquire,
@@ -58,6 +59,7 @@ enum class Event {
   kFault,         ///< camera, arm or gripper reported an error, or something broke
 };
 
+/// In state `from`, this event leads to state `to`.
 struct Transition {
   State from;
   Event event;
@@ -109,6 +111,7 @@ inline constexpr Transition kTransitions[] = {
     {State::kPause, Event::kFault, State::kStopped},
 };
 
+/// The cell, as the cycle sees it. All must outlive the cycle.
 struct Ports {
   Camera& camera;
   Planner& planner;
@@ -127,6 +130,7 @@ struct RetryPolicy {
   int max_old_frames_n = 30;
 };
 
+/// What to pick, where to put it, and what to do when that fails.
 struct Task {
   PlanRequest request;  ///< what every plan is asked with; the cycle adds last plan, failed spots
   Eigen::Isometry3d T_base_place = Eigen::Isometry3d::Identity();  ///< see `pick_motions`

@@ -29,6 +29,7 @@ class PickMemory {
   /// A plan came: what was passed over in the one before is forgotten.
   void planned() { passed_over_.clear(); }
 
+  /// Replaces the request's last plan and failed spots.
   void add_to(PlanRequest& request) const;
 
  private:

@@ -83,6 +83,7 @@ class Observer {
   /// but was out of reach. \param frame_n as in the record that follows.
   virtual void planned(std::uint64_t frame_n, const DepthFrame& frame, const PlanRequest& request,
                        const Result<PlanAnswer>& answer) = 0;
+  /// The frame's story is complete.
   virtual void finished(const PickRecord& record) = 0;
 };
 

@@ -19,6 +19,7 @@
 /// "out of reach" are not errors but answers.
 namespace graspd::agent {
 
+/// Where depth frames come from.
 class Camera {
  public:
   virtual ~Camera() = default;
@@ -34,9 +35,11 @@ struct Surroundings {
   std::vector<Eigen::Vector3f> p_base_m;  ///< readings of the frame that the grasps were planned on
 };
 
+/// Brings the gripper to poses in base.
 class Arm {
  public:
   virtual ~Arm() = default;
+  /// In the place of those before. The arm stands where it stood when they were seen.
   virtual void set_surroundings(const Surroundings& surroundings) = 0;
   /// Why the arm can't do these motions one after the other; nothing where it can. Nothing moves.
   virtual std::optional<std::string> why_not(std::span<const Motion> motions) = 0;
@@ -48,9 +51,11 @@ class Arm {
   virtual void stop() = 0;
 };
 
+/// Parallel jaws, or a cup.
 class Gripper {
  public:
   virtual ~Gripper() = default;
+  /// Returns when the jaws are so far apart, between their inner faces.
   virtual Result<void> open(double opening_width_m) = 0;
   /// Until something is held, or nothing is left to close.
   virtual Result<void> close() = 0;
@@ -64,12 +69,15 @@ struct PlanReply {
   Result<PlanAnswer> answer;
 };
 
+/// Turns a frame into a plan: a perception server, or a test's script.
 class Planner {
  public:
   virtual ~Planner() = default;
+  /// Waits for the answer, as long as the planner's budget is.
   virtual PlanReply plan(const DepthFrame& frame, const PlanRequest& request) = 0;
 };
 
+/// What an operator may answer.
 enum class OperatorSays { kGoOn, kStop };
 
 /// Whoever looks after the cell.
@@ -84,6 +92,7 @@ class Operator {
 class Clock {
  public:
   virtual ~Clock() = default;
+  /// Since some instant of its own; the same that frames are stamped by.
   virtual std::chrono::nanoseconds now() = 0;
   virtual void sleep_for(std::chrono::nanoseconds duration) = 0;
 };

@@ -23,6 +23,8 @@ struct Reactions {
   Reaction all_in_collision = Reaction::kWait;
   Reaction none_reachable = Reaction::kWait;
 
+  /// \param outcome one without a grasp: PLANNED and UNCHANGED have none: it throws
+  /// std::logic_error.
   Reaction to(Outcome outcome) const;
   /// Whether any of them is this one.
   bool any(Reaction reaction) const;

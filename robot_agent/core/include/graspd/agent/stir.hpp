@@ -10,6 +10,7 @@
 /// above its floor; the parts it touches are meant to be touched.
 namespace graspd::agent {
 
+/// How deep, how far, how fast and how often.
 struct StirOptions {
   /// Without a part placed in between; then the cycle stops. There are four ways to stir.
   int max_in_a_row_n = 8;

@@ -39,6 +39,7 @@ struct PlacedShape {
   Eigen::Isometry3d T_link_shape = Eigen::Isometry3d::Identity();
 };
 
+/// What a link takes up, in its own frame.
 struct LinkShape {
   std::string name;
   std::vector<PlacedShape> shapes;  ///< none where the link takes up no space

@@ -23,6 +23,7 @@ struct Posture {
 /// saw, and the arm itself. Links that don't move are never checked. Belongs to one thread.
 class CollisionWorld {
  public:
+  /// Nothing stands in it yet but what the parameters say.
   CollisionWorld(const ArmModel& arm, const MotionParameters& parameters);
   ~CollisionWorld();
   CollisionWorld(CollisionWorld&&) noexcept;

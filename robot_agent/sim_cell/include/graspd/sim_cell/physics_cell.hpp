@@ -16,6 +16,7 @@
 
 namespace graspd::sim_cell {
 
+/// How strong and how fast jaws are.
 struct GripperDrive {
   double force_n = 20;        ///< of each jaw
   double speed_m_s = 0.05;    ///< of each jaw
@@ -43,6 +44,7 @@ struct PhysicsCellOptions {
   std::uint64_t seed = 1;         ///< of the sensor's noise
 };
 
+/// Where a part of the cell truly is.
 struct CellPart {
   std::size_t kind = 0;
   Eigen::Isometry3d T_base_part = Eigen::Isometry3d::Identity();
@@ -76,10 +78,13 @@ class PhysicsCell {
   /// \returns INTERNAL where it met more resistance than an arm would push on against: it stands
   /// where that was.
   Result<void> follow(double duration_s, const std::function<RobotPose(double)>& robot_at);
+  /// Returns when the jaws are there, at the drive's speed; kept within the gripper's stroke. What
+  /// they held is let go.
   void open(double opening_m);
   /// Until the jaws stand.
   void close();
   void wait(double duration_s);
+  /// Where the gripper is now.
   Eigen::Isometry3d T_base_grasp() const;
   double opening_m() const;
   /// Whether the jaws were stopped by something between them.
@@ -96,6 +101,7 @@ class PhysicsCell {
   /// anything; an empty one ends it
   void every(double period_s, std::function<void()> watch);
 
+  /// In the pile's order, those that were taken away included.
   std::vector<CellPart> parts() const;
   /// The part whose barycentre is nearest to where a part of this kind is said to be, within half
   /// its diameter. As of the last frame.

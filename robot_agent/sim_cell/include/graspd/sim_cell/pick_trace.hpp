@@ -33,6 +33,7 @@ struct PickTrace {
   double duration_s = 0;
 };
 
+/// What truly became of a pick. A collision counts before all else.
 enum class PickVerdict {
   kSuccess,    ///< the intended part alone was lifted out of the pile and put into the place box
   kCollision,  ///< the robot touched bin, table or place box, or another part before closing
@@ -42,6 +43,7 @@ enum class PickVerdict {
   kDouble,     ///< another part came with it
 };
 
+/// The truth about one pick.
 struct JudgedPick {
   PickVerdict verdict = PickVerdict::kMissed;
   std::string why;            ///< a sentence, but for SUCCESS

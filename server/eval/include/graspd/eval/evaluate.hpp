@@ -12,6 +12,7 @@
 
 namespace graspd::eval {
 
+/// One image: what was answered, and how true it is.
 struct ImageReport {
   int im_id = 0;
   PlanAnswer answer;

@@ -2,6 +2,7 @@
 
 namespace graspd::eval {
 
+/// Of a share, both ends in [0, 1].
 struct Interval {
   double low = 0;
   double high = 1;

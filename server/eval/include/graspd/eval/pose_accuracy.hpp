@@ -17,8 +17,10 @@
 /// every figure is computed from the records of however many images.
 namespace graspd::eval {
 
+/// On one answer; `kIgnored` hits an object that is visible by less than half.
 enum class Verdict { kRight, kWrong, kIgnored };
 
+/// One answer against the truth.
 struct PosedAnswer {
   int im_id = 0;
   int obj_id = 0;
@@ -50,6 +52,7 @@ struct CurvePoint {
 
 struct VisibilityBin;
 
+/// The records of any number of images.
 struct PoseAccuracy {
   std::vector<PosedAnswer> answers;
   std::vector<TrueObject> objects;
@@ -62,7 +65,9 @@ struct PoseAccuracy {
   int found_n() const;
   int answers_n() const;  ///< without the ignored ones
   int right_n() const;
+  /// found_n / objects_n; 0 of none.
   double recall() const;
+  /// right_n / answers_n; 0 of none.
   double precision() const;
 
   /// One point for each distinct score, the highest first.
@@ -73,6 +78,7 @@ struct PoseAccuracy {
 
   /// Of the right answers; nothing where there is none.
   std::optional<Spread> translation_error_m() const;
+  /// Likewise, after the part's symmetries.
   std::optional<Spread> rotation_error_rad() const;
 
   /// From 0.5 in steps of 0.1, the last one closed. A wrong answer hits no object, so that it is in
@@ -80,6 +86,7 @@ struct PoseAccuracy {
   std::vector<VisibilityBin> by_visibility() const;
 };
 
+/// The objects that are visible by `from` to `to`.
 struct VisibilityBin {
   double from = 0;
   double to = 0;

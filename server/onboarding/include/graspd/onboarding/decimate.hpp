@@ -11,6 +11,7 @@ namespace graspd::onboarding {
 inline constexpr std::size_t kMaxTriangles = 100'000;
 inline constexpr std::size_t kDecimatedTriangles = 20'000;
 
+/// A mesh of fewer triangles.
 struct Decimated {
   parts::Mesh mesh;
   double error_m = 0;  ///< by about which the surface has moved, at its worst

@@ -15,6 +15,7 @@
 /// through the planner, and the answers are compared with the true poses.
 namespace graspd::onboarding {
 
+/// The cell that the forecast is of.
 struct ForecastOptions {
   simulation::SceneOptions
       scene;  ///< bin, camera and seed of the first pile; its parts are set here
@@ -45,6 +46,7 @@ struct PlannedFrame {
   PlanAnswer answer;
 };
 
+/// All piles. The sums below are over them.
 struct Forecast {
   std::vector<PileForecast> piles;
   int asked_n = 0;       ///< piles; fewer were made where the time was up

@@ -23,6 +23,7 @@ struct Onboarding {
   std::string build;                  ///< of the program
 };
 
+/// By the share of piles whose first grasp was right.
 enum class Fitness { kGood, kFair, kPoor };
 
 /// Whether this cell can pick the part, in one sentence.
@@ -30,6 +31,8 @@ struct Verdict {
   Fitness fitness = Fitness::kPoor;
   std::string sentence;
 };
+/// Poor, whatever the forecast says, where jaws find no hold, their stroke is too short, or the
+/// camera can't resolve the part.
 Verdict verdict_of(const Onboarding& onboarding);
 
 /// What would make it better, most important first; empty where nothing is known to.
@@ -42,6 +45,7 @@ struct Figure {
   std::string interval;  ///< 95 %; empty where there is none
   std::string of;        ///< what it was counted on
 };
+/// The lines of report and terminal, in this order.
 std::vector<Figure> figures_of(const Onboarding& onboarding);
 
 /// One of each name, for jaws, best first; their images are left out.

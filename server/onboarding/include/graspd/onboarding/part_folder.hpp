@@ -17,6 +17,7 @@ struct PartVersion {
   bool is_there_already = false;  ///< with this very mesh: nothing is written
 
   std::filesystem::path part_file() const { return folder / "part.yaml"; }
+  /// ID_VERSION.stl
   std::string mesh_name() const;
 };
 

@@ -21,9 +21,11 @@ class Catalogue {
   static Result<Catalogue> load(const std::filesystem::path& directory);
 
   const std::vector<Part>& parts() const { return parts_; }
+  /// Null where there is no such part.
   const Part* find(std::string_view id) const;
   /// \returns UNKNOWN_PART naming those that there are.
   Result<const Part*> get(std::string_view id) const;
+  /// By its number in BOP scenes; null where there is none.
   const Part* find_bop(int obj_id) const;
   /// Of everything that can change an answer: meshes, symmetries, pick points.
   const std::string& hash() const { return hash_; }

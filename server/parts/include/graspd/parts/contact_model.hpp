@@ -28,6 +28,7 @@ struct SphereArrays {
   std::size_t size = 0;
 
   void push_back(const Eigen::Vector3f& centre_m, float radius_of_it_m);
+  /// Fills up to a multiple that kernels load: call it after the last `push_back`.
   void pad();
 };
 

@@ -10,6 +10,7 @@
 
 namespace graspd::parts {
 
+/// What the numbers of a mesh file are in: the formats don't say.
 enum class LengthUnit { kMetre, kMillimetre, kInch };
 
 /// A triangle mesh in metres, vertices merged, triangles counter-clockwise seen from outside.
@@ -22,13 +23,16 @@ struct Mesh {
 /// \returns INVALID_ARGUMENT where the file is missing, unreadable or has no triangle.
 Result<Mesh> load_mesh(const std::filesystem::path& path, LengthUnit unit);
 
+/// Of a closed mesh; below 0 where it is inside out.
 double signed_volume_m3(const Mesh& mesh);
+/// Of all triangles, hidden ones included.
 double surface_area_m2(const Mesh& mesh);
 /// Of the whole solid with uniform density; of the surface where the mesh is not closed.
 Eigen::Vector3d barycentre_m(const Mesh& mesh);
 /// Largest distance between two vertices.
 double diameter_m(const Mesh& mesh);
 
+/// Part frame.
 struct SurfacePoint {
   Eigen::Vector3f position_m;
   Eigen::Vector3f normal;  ///< unit length, outwards

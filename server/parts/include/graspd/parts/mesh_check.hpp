@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 
 namespace graspd::parts {
 
+/// Of an error, no part can be made.
 enum class Severity { kOk, kWarning, kError };
 
 struct MeshFinding {
@@ -25,7 +27,10 @@ struct SensorResolution {
 /// What `grasp_server part check` says of a mesh: units, normals, holes, doubled or degenerate
 /// triangles, separate pieces, the symmetries found, size and walls against the sensor's
 /// resolution.
-std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& sensor);
+/// \param declared the unit that its file was said to have; without it every mix-up is named that
+/// would explain an unlikely size.
+std::vector<MeshFinding> check_mesh(const Mesh& mesh, const SensorResolution& sensor,
+                                    std::optional<LengthUnit> declared = std::nullopt);
 
 }  // namespace graspd::parts
 

@@ -17,6 +17,7 @@
 
 namespace graspd::parts {
 
+/// A part with all that is computed of it once. Frame: that of its mesh, in metres.
 struct Part {
   std::string id;
   std::string name;

@@ -37,6 +37,7 @@ struct View {
   float area_share = 0;  ///< of the part's largest view
 };
 
+/// The part as cameras see it, from directions spread over the sphere.
 class RegistrationModel {
  public:
   static constexpr std::size_t kSpreadPoints = 64;  ///< of a view: its leading ones, spread widest

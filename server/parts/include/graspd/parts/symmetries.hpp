@@ -13,6 +13,7 @@ struct ContinuousSymmetry {
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
 };
 
+/// How a part may be turned and still look the same, in its own frame.
 struct Symmetries {
   /// T_part_part′: moves the part onto itself. Without the identity.
   std::vector<Eigen::Isometry3d> discrete;

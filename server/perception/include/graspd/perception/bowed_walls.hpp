@@ -17,6 +17,7 @@ struct BowedWalls {
   /// Of the bow, what a reading here is bent by, in [0, 1]; 0 outside the walls.
   float share_at(const Eigen::Vector3f& p_camera_m) const;
 };
+/// The walls of this bin, made ready to be asked.
 BowedWalls bowed_walls(const Eigen::Isometry3d& T_camera_bin, const Eigen::Vector3d& inner_size_m,
                        double reach_m);
 

@@ -34,6 +34,7 @@ struct Verdict {
 /// In the order of Check.
 using Verdicts = std::array<Verdict, std::size(EnumNames<Check>::values)>;
 
+/// The verdict of one check.
 inline Verdict& of(Verdicts& verdicts, Check check) {
   return verdicts[static_cast<std::size_t>(check)];
 }
@@ -71,9 +72,13 @@ class CollisionScene {
   /// \param opening_m at which the checks pass.
   double room_m(const Eigen::Isometry3d& T_floor_grasp, double opening_m) const;
 
+  /// One check alone: the gripper against what the camera has seen, or has not.
   Verdict gripper_cloud(const Eigen::Isometry3d& T_floor_grasp, const SweptGripper& swept) const;
+  /// Against the registered parts' meshes: `margin_m` from the others, touching from the target.
   Verdict gripper_parts(const Eigen::Isometry3d& T_floor_grasp, const SweptGripper& swept) const;
+  /// Against walls and floor; a wall between the open jaws counts too.
   Verdict gripper_bin(const Eigen::Isometry3d& T_floor_grasp, const SweptGripper& swept) const;
+  /// Of the target, lifted straight up: the same for each of its grasps.
   const Verdict& held_part() const { return held_part_; }
 
   /// Why a check failed or did not run; empty where it passed.

@@ -33,6 +33,7 @@ struct DepthGrid {
   bool contains(int u, int v) const {
     return u >= 1 && v >= 1 && u < width_px - 1 && v < height_px - 1;
   }
+  /// Of a reading, in the camera's optical frame.
   Eigen::Vector3f point_m(int u, int v) const;
   /// The cell that a point projects to, or the number of cells where that is none.
   std::size_t cell_of(const Eigen::Vector3f& p_m) const;

@@ -10,11 +10,13 @@
 
 namespace graspd::perception {
 
+/// A pose that was accepted.
 struct ExplainedPart {
   PoseHypothesis pose;
   std::vector<std::uint32_t> cells;  ///< that it explains
 };
 
+/// What `explain` found.
 struct Explanation {
   std::vector<ExplainedPart> parts;
   std::optional<Refusal> refusal;  ///< of the refused pose that came nearest

@@ -13,6 +13,7 @@ struct Plane {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
   float offset_m = 0;
 
+  /// Signed: above the plane, towards the camera, it is positive.
   float height_m(const Eigen::Vector3f& p_m) const { return normal.dot(p_m) + offset_m; }
 };
 

@@ -27,6 +27,7 @@ struct PlannedGrasp {
   std::vector<CheckReport> checks;
 };
 
+/// What was found for one part.
 struct PartGrasps {
   std::vector<PlannedGrasp> free;        ///< the preferred first
   std::optional<PlannedGrasp> rejected;  ///< where none is free: the preferred candidate

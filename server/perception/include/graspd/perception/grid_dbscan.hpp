@@ -21,7 +21,9 @@ class GridDbscan {
   /// outlive this.
   GridDbscan(const Cloud& cloud, float eps_m, int min_points_n);
 
+  /// As `dbscan`, of the paper's Definition 4.
   DbscanResult cluster() const;
+  /// As the function of that name: lines 6 to 8 of the paper's Algorithm 1.
   void merge_at_borders(double smoothness_rad, double curvature, DbscanResult& result) const;
 
  private:

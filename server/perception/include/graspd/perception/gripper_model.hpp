@@ -12,6 +12,7 @@
 /// of the suction cup's rim; z the approach direction; x the closing direction.
 namespace graspd::perception {
 
+/// Grasp frame.
 struct GripperBox {
   std::string_view name;  ///< "palm", "jaw" or "cup"
   Eigen::AlignedBox3d box_m;
@@ -26,6 +27,7 @@ class SweptGripper {
   /// \param wider_m, deeper_m that all of it is larger by, to all sides and beyond the tips.
   SweptGripper(const Gripper& gripper, double opening_m, double wider_m = 0, double deeper_m = 0);
 
+  /// Palm and jaws, or palm and cup, each swept.
   std::span<const GripperBox> boxes() const { return {boxes_.data(), boxes_n_}; }
   /// The jaws and all between them, which they cross while they close; none of a suction cup.
   const std::optional<GripperBox>& closing() const { return closing_; }

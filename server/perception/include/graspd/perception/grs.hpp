@@ -20,6 +20,7 @@ double p_self(double height_m, double inclination_rad, const GrsParameters& para
 /// Inclination of an axis from the horizontal plane, in [0, π/2].
 double inclination_rad(const Eigen::Vector3d& axis);
 
+/// P_grasp of one part.
 struct PGrasp {
   double value_m2 = 0;
   std::vector<std::uint32_t> neighbours;  ///< indices, nearest first
@@ -29,6 +30,7 @@ struct PGrasp {
 PGrasp p_grasp(std::size_t target, std::span<const Eigen::Vector3d> centroids_m,
                const GrsParameters& parameters);
 
+/// P_system of one part, by the count.
 struct PSystemCount {
   double value = 1;  ///< 0 where the count exceeds the threshold
   std::uint32_t points_n = 0;

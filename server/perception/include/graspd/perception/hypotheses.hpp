@@ -8,6 +8,7 @@
 
 namespace graspd::perception {
 
+/// What `find_hypotheses` found.
 struct HypothesesFound {
   std::vector<PoseHypothesis> poses;  ///< roughly placed and scored, best first
   std::uint64_t compared_n = 0;       ///< of templates in a turn with the image around a reading

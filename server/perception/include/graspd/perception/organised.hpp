@@ -25,6 +25,7 @@ Scene preprocess_organised(const DepthFrame& frame, const PlanRequest& request,
 /// normals, and the cells of the cloud.
 Scene organised_readings(const DepthFrame& frame, const PlanRequest& request,
                          double part_diameter_m, const PreprocessParameters& parameters);
+/// The second half: of a scene of `organised_readings`.
 void add_normals(Scene& scene);
 
 /// Takes the grid's islands that no segment has a point in for floor: too small for a part, with

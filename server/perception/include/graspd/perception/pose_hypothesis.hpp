@@ -18,6 +18,7 @@
 /// at the pixel that it projects to.
 namespace graspd::perception {
 
+/// A pose that one of the parts may have. Camera's optical frame.
 struct PoseHypothesis {
   std::uint32_t part = 0;  ///< index into the requested parts
   Eigen::Matrix3f R = Eigen::Matrix3f::Identity();
@@ -35,6 +36,7 @@ struct PoseHypothesis {
 
   Eigen::Vector3f in_camera(const Eigen::Vector3f& p_part_m) const { return R * p_part_m + t_m; }
   Eigen::Isometry3d T_camera_part() const;
+  /// Not scored yet.
   static PoseHypothesis of(const Eigen::Isometry3d& T_camera_part, std::uint32_t part = 0);
 };
 
@@ -77,7 +79,9 @@ class PoseVerifier {
 
   const parts::Part& part(const PoseHypothesis& pose) const { return *parts_[pose.part]; }
   double tolerance_m() const { return parameters_.inlier_tolerance_m; }
+  /// What this camera sees of the part: the view whose direction is nearest.
   const parts::View& view(const PoseHypothesis& pose) const;
+  /// In the camera's optical frame.
   Eigen::Vector3f barycentre_m(const PoseHypothesis& pose) const;
   /// The area of the image's surface that the score stands for: what compares different parts.
   float explained_area_m2(const PoseHypothesis& pose) const {

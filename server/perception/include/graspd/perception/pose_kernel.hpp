@@ -65,6 +65,7 @@ struct NormalEquations {
   float b[6] = {};
   std::int32_t points_n = 0;
 };
+/// Camera frame. The radius makes turns as large as shifts.
 struct TurnCentre {
   float centre_m[3];
   float radius_m;

@@ -46,6 +46,7 @@ RegistrationMethod ndt_icp(std::span<const parts::Part* const> parts,
 RegistrationMethod registration_method(Registration name, std::span<const parts::Part* const> parts,
                                        const RegistrationParameters& parameters);
 
+/// A part where the frame says it lies.
 struct RegisteredPart {
   const parts::Part* part = nullptr;
   Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
@@ -53,6 +54,7 @@ struct RegisteredPart {
   Eigen::Vector3d p_camera_segment_centroid_m = Eigen::Vector3d::Zero();
 };
 
+/// What was found in a frame, and what was not.
 struct RegistrationResult {
   std::vector<RegisteredPart> parts;  ///< best score first
   std::uint32_t hypotheses_n = 0;     ///< poses tried, the roughest included

@@ -33,8 +33,10 @@ struct Workspace {
 std::optional<Workspace> requested_workspace(const PlanRequest& request,
                                              const PreprocessParameters& parameters);
 
+/// The points within `Workspace::kept_m`, in their order.
 Cloud passthrough(const Cloud& cloud, const Workspace& workspace);
 
+/// A frame, made ready for segmentation, registration and collision checks.
 struct Scene {
   Cloud cloud;  ///< what lies on the floor, with normals
   /// z up, origin on the floor: the bin's frame, or made from the floor that was found; without

@@ -19,8 +19,10 @@ std::vector<Indices> grid_dbscan(const Cloud& cloud, const SegmentationParameter
 std::vector<Indices> improved_dbscan(const Cloud& cloud, const SegmentationParameters& parameters);
 /// Plain DBSCAN on PCL's kd-tree.
 std::vector<Indices> plain_dbscan(const Cloud& cloud, const SegmentationParameters& parameters);
+/// Points nearer than `euclidean_tolerance_m` belong together.
 std::vector<Indices> euclidean_clusters(const Cloud& cloud,
                                         const SegmentationParameters& parameters);
+/// Rabbani et al. 2006: neighbours whose normals differ by little, from the flattest point on.
 std::vector<Indices> region_growing(const Cloud& cloud, const SegmentationParameters& parameters);
 
 /// \throws std::invalid_argument for kServerDefault, which the caller resolves.

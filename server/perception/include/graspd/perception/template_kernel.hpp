@@ -21,6 +21,7 @@ struct SampledReading {
   float normal_sine, normal_cosine, normal_turns;
 };
 
+/// What a match must be to be kept.
 struct TemplateLimits {
   float min_cosine = -2;       ///< between the reading's normal and the anchor's
   std::int8_t tolerance = 10;  ///< of depths
@@ -32,6 +33,7 @@ struct TemplateLimits {
   std::size_t most_n = 0;  ///< matches that are wanted
 };
 
+/// A template in one of its turns.
 struct TemplateMatch {
   float score = 0;  ///< samples within tolerance less those behind, of those compared; above 0
   std::uint32_t place = 0;

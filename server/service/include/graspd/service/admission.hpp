@@ -27,18 +27,23 @@ class Admission {
  public:
   static constexpr std::size_t kDepthPerCell = 2;
 
+  /// \param seed of the jitter.
   Admission(std::size_t workers_n, std::uint64_t seed);
 
+  /// On a request that has come.
   struct Verdict {
     std::optional<Refusal> refusal;
     std::optional<Ticket> superseded;  ///< an older request of this cell, out of the queue now
   };
+  /// Queues it. Refuses it with BUSY where it would wait longer than its deadline allows, with
+  /// DEADLINE_EXCEEDED where that has passed.
   Verdict admit(Waiting request, TimePoint now);
 
   /// The next request to start, if any.
   std::optional<Ticket> start(TimePoint now);
   /// A started request has ended; `computed` where its time says something of the next one's.
   void finish(Ticket ticket, TimePoint now, bool computed);
+  /// Takes out of the queue what has passed its deadline.
   std::vector<Ticket> expire(TimePoint now);
   /// Empties the queue.
   std::vector<Ticket> clear();
@@ -46,6 +51,8 @@ class Admission {
   std::optional<TimePoint> earliest_deadline() const { return queue_.earliest_deadline(); }
   std::size_t queued_n() const { return queue_.queued_n(); }
   std::size_t running_n() const { return running_.size(); }
+  /// How long a request that this cell sent now would wait to be started: 0 where a worker is free,
+  /// or nothing is known yet of how long one takes.
   std::chrono::nanoseconds predicted_wait(const std::string& cell) const;
 
  private:

@@ -10,6 +10,7 @@
 
 namespace graspd::service {
 
+/// `kFailed`: what ended INTERNAL or DEADLINE_EXCEEDED, and what asks to be recorded.
 enum class FlightsKept { kFailed, kAll };
 
 /// Where the last requests of each cell are kept, and how many.

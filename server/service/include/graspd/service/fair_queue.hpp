@@ -13,8 +13,10 @@ namespace graspd::service {
 
 using Clock = std::chrono::steady_clock;
 using TimePoint = Clock::time_point;
+/// The front's own number of a request.
 using Ticket = std::uint64_t;
 
+/// A request in the queue.
 struct Waiting {
   Ticket ticket = 0;
   std::string cell;
@@ -38,9 +40,11 @@ class FairQueue {
   std::optional<Waiting> push(Waiting request);
   /// Takes the next request out; its cell holds one worker more until `finish`.
   std::optional<Waiting> start();
+  /// What this cell had started has ended.
   void finish(const std::string& cell);
   /// Takes out what nobody waits for any more.
   std::vector<Waiting> expire(TimePoint now);
+  /// Empties the queue; \returns what was in it.
   std::vector<Waiting> clear();
 
   std::optional<TimePoint> earliest_deadline() const;

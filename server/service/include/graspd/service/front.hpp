@@ -59,6 +59,7 @@ enum class Phase {
   kDraining,
 };
 
+/// What a front needs from whoever starts it.
 struct FrontOptions {
   ServerConfig config;
   ServerFacts facts;
@@ -81,6 +82,7 @@ class CannotListen : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The server's sockets and its loop.
 class Front {
  public:
   /// Binds all sockets; `launcher` must outlive the front.
@@ -90,6 +92,7 @@ class Front {
   Front(const Front&) = delete;
   Front& operator=(const Front&) = delete;
 
+  /// As it was bound: with the port that the system gave.
   std::string data_endpoint() const;
   std::string control_endpoint() const;
   /// http://HOST:PORT; empty where there is no HTTP.

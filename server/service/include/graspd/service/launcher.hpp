@@ -29,6 +29,7 @@ class WorkerHandle {
 class WorkerLauncher {
  public:
   virtual ~WorkerLauncher() = default;
+  /// Returns at once. \throws std::system_error where the system starts no more.
   virtual std::unique_ptr<WorkerHandle> launch(const std::string& endpoint,
                                                const std::string& identity) = 0;
 };

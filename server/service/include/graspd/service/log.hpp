@@ -8,6 +8,7 @@
 
 namespace graspd::service {
 
+/// Where one is chosen, its lines and those of the ones after it are written.
 enum class LogLevel { kDebug, kInfo, kWarning, kError, kOff };
 
 /// Where log lines go: each is one JSON object without a line feed. Called from the front's thread

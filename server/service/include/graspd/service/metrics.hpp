@@ -55,12 +55,15 @@ class Metrics {
   /// A worker has planned.
   void planned(Outcome outcome, const std::vector<std::string>& part_ids,
                const std::vector<StageTiming>& timings);
+  /// One has died, or was ended for hanging.
   void worker_lost();
   void auth_failed(AuthFailure why, std::size_t times_n = 1);
+  /// In the place of what was set before.
   void set_load(const Load& load);
 
   /// The text exposition format.
   std::string text() const;
+  /// Of plan requests, since the start.
   std::vector<CodeCount> answers_by_code() const;
   std::vector<StageTotal> stages() const;
   std::uint64_t workers_lost_n() const;

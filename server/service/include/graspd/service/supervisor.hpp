@@ -12,6 +12,7 @@
 
 namespace graspd::service {
 
+/// How long a worker may take for what.
 struct SupervisorLimits {
   std::chrono::milliseconds start{60'000};        ///< from launch to READY
   std::chrono::milliseconds silence{5'000};       ///< between heartbeats of an idle worker
@@ -30,10 +31,12 @@ class Supervisor {
   Supervisor(std::size_t workers_n, std::string endpoint, WorkerLauncher& launcher,
              SupervisorLimits limits, std::string name = "worker");
 
+  /// A request whose worker has died, and of what.
   struct Lost {
     Ticket ticket = 0;
     std::string reason;
   };
+  /// What `tend` came upon.
   struct Report {
     std::vector<Lost> lost;            ///< requests whose worker has died
     std::vector<std::string> notices;  ///< for the log
@@ -43,12 +46,14 @@ class Supervisor {
   Report tend(TimePoint now);
   /// When to call `tend` again, where no exit_fd becomes readable before.
   TimePoint next_tend() const;
+  /// To be polled: readable means that `tend` has something to do.
   std::vector<int> exit_fds() const;
   /// Of the workers that are processes.
   std::vector<int> pids() const;
 
   /// A worker has said something. \returns false for one that is not ours (any more).
   bool heard(const std::string& identity, TimePoint now);
+  /// It has passed its golden frame, where there is one, and may get work.
   void ready(const std::string& identity);
   /// Ends a worker that may not work here; `reason` ends in the log.
   void reject(const std::string& identity, const std::string& reason);
@@ -57,6 +62,7 @@ class Supervisor {
 
   /// The idle worker that has rested longest.
   std::optional<std::string> idle() const;
+  /// \param identity of an idle worker; its time limit for the job runs from now.
   void assign(const std::string& identity, Ticket ticket, TimePoint now);
   /// The worker has finished; \returns what it held.
   std::optional<Ticket> release(const std::string& identity, TimePoint now);

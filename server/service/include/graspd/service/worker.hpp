@@ -25,6 +25,7 @@ struct GoldenFrame {
   std::function<Result<void>(const PlanAnswer&)> check;
 };
 
+/// What a worker must know of its front.
 struct WorkerOptions {
   std::string endpoint;                       ///< the front's
   std::string identity;                       ///< the name that the front gave this worker

@@ -13,6 +13,7 @@ struct ConvexPiece {
   double volume_m3 = 0;
 };
 
+/// When cutting ends: whichever comes first.
 struct ConvexPiecesOptions {
   int max_pieces_n = 20;
   /// No further cut once the pieces' volume is within this share of the solid's.

@@ -10,6 +10,7 @@
 
 namespace graspd::simulation {
 
+/// Of parts that fall, and of the physics' steps.
 struct PileOptions {
   double density_kg_m3 = 1100;  ///< ABS, as injection-moulded fittings
   double friction = 0.4;
@@ -30,6 +31,7 @@ struct PiledPart {
   Eigen::Isometry3d T_bin_part = Eigen::Isometry3d::Identity();
 };
 
+/// Parts at rest in a bin, and what it took.
 struct Pile {
   std::vector<PiledPart> parts;
   int dropped_again_n = 0;  ///< drops of parts that had fallen beside the bin

@@ -21,6 +21,7 @@ struct Moved {
   double way_m = 0;   ///< of its centre of mass, at its farthest
 };
 
+/// How a part is pulled out of the pile.
 struct LiftOptions {
   double height_m = 0.10;
   double speed_m_s = 0.3;

@@ -12,22 +12,26 @@
 /// how grasps are planned. All in the bin's frame: z up, origin in the middle of its floor.
 namespace graspd::judge {
 
+/// Where a part truly lies.
 struct TruePart {
   const parts::Part* part = nullptr;
   Eigen::Isometry3d T_bin_part = Eigen::Isometry3d::Identity();
 };
 
+/// A box open at the top.
 struct TrueBin {
   Eigen::Vector3d inner_size_m = Eigen::Vector3d::Zero();
   double wall_m = 0;
 };
 
+/// What a gripper would do.
 struct TrueGrasp {
   Eigen::Isometry3d T_bin_grasp = Eigen::Isometry3d::Identity();
   double opening_width_m = 0;
   double standoff_m = 0;
 };
 
+/// What is wrong with a grasp. Collisions come before what the jaws hold.
 enum class Finding {
   kGood,           ///< free of collision, and holds one part in force closure
   kCollisionPart,  ///< of jaws or palm, at the grasp or on the way from pre-grasp to it
@@ -43,6 +47,7 @@ struct Judgement {
   std::optional<std::size_t> part;  ///< that is held, or in the way
 };
 
+/// A pile whose true poses are known, and a gripper.
 class GraspJudge {
  public:
   /// Parallel jaws. \param friction coefficient between jaws and parts.

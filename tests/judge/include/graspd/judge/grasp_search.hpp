@@ -7,6 +7,7 @@
 
 namespace graspd::judge {
 
+/// How finely is searched, and for how long.
 struct SearchOptions {
   double spacing_m = 0.004;  ///< between the places on a part's surface that one jaw may touch
   int approaches_n = 24;     ///< around the closing direction
@@ -14,6 +15,7 @@ struct SearchOptions {
   std::chrono::milliseconds give_up_after{20'000};
 };
 
+/// What `find_good_grasp` found.
 struct SearchResult {
   std::optional<TrueGrasp> grasp;  ///< the first good one
   bool is_complete = true;         ///< false: given up, so that nothing found says little

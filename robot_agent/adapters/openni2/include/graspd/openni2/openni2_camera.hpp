@@ -12,6 +12,7 @@
 /// Debian and goes into OpenNI2's folder of drivers.
 namespace graspd::openni2 {
 
+/// Which device, in which mode, and what is known of its camera.
 struct CameraOptions {
   std::string uri;  ///< empty: the first device
   /// Of the frames as this camera gives them, mirrored back. Never the driver's own: the field of

@@ -13,6 +13,7 @@ namespace graspd::output_gripper {
 /// A program and its arguments; no shell is between. Exit code 0 confirms.
 using Command = std::vector<std::string>;
 
+/// The gripper's commands and times.
 struct GripperOptions {
   /// "{width_mm}" in an argument becomes the opening width, for a gripper that can be opened to
   /// one.

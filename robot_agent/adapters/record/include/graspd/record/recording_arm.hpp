@@ -22,6 +22,7 @@ struct CellFrames {
 /// order.
 class RecordingArm final : public agent::Arm, public agent::Gripper {
  public:
+  /// \returns INVALID_ARGUMENT where the file can't be made.
   static Result<RecordingArm> create(const std::filesystem::path& path, const CellFrames& frames);
 
   void set_surroundings(const agent::Surroundings&) override {}

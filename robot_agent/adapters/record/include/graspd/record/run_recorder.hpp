@@ -33,6 +33,7 @@ class RunRecorder {
   /// As of agent::Observer. \returns INTERNAL where the disk takes no more.
   Result<void> planned(std::uint64_t frame_n, const DepthFrame& frame, const PlanRequest& request,
                        const Result<PlanAnswer>& answer);
+  /// Likewise; the line is in the file when this returns.
   Result<void> finished(const agent::PickRecord& record);
   /// \param state DONE or STOPPED. A run that never came to this says so in its run.json.
   Result<void> ended(std::string_view state, const std::string& reason,

@@ -13,8 +13,10 @@
 /// A recording in the place of a camera.
 namespace graspd::replay {
 
+/// A BOP scene's folder, or an MRPT rawlog.
 enum class RecordingKind { kBop, kRawlog };
 
+/// How a recording is played.
 struct ReplayOptions {
   bool loop = false;                                          ///< start again at the end
   std::optional<std::uint64_t> max_frames_n = std::nullopt;   ///< in all

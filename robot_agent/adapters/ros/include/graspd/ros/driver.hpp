@@ -15,6 +15,7 @@
 /// Nobody answers on a topic, so that a stop is confirmed by joints that stand still.
 namespace graspd::ros_arm {
 
+/// The cell's names in ROS, and what still counts as following.
 struct DriverOptions {
   std::vector<std::string> joint_names;  ///< from the base outwards
   std::string command_topic = "joint_path_command";

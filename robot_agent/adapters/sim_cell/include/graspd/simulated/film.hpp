@@ -18,7 +18,8 @@ class Film {
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
-  /// As a GIF, that ends with the cell as it is now.
+  /// As a GIF, that ends with the cell as it is now, and beside it as a PNG of the same name: four
+  /// of its pictures in a row.
   Result<void> write(const std::filesystem::path& path) const;
 
  private:

@@ -19,6 +19,7 @@
 /// of the controller the driver goes on when the controller does.
 namespace graspd::simple_message {
 
+/// Where the controller listens, and what the arm can do.
 struct DriverOptions {
   std::string host = "127.0.0.1";
   std::uint16_t motion_port = 11000;
