@@ -139,6 +139,7 @@ void measure_soak(std::chrono::seconds length, Table& table) {
   table.add("soak_failed", soak.failed_n, "0");
   if (soak.memory_mb.empty()) return;
   table.add("soak_memory_begin_mb", soak.memory_mb.front(), "");
+  table.add("soak_memory_half_way_mb", soak.memory_mb[soak.memory_mb.size() / 2], "");
   table.add("soak_memory_end_mb", soak.memory_mb.back(), "as at the beginning");
 }
 
