@@ -3,7 +3,9 @@
 namespace graspd::program {
 
 void add_server_option(CLI::App& command, std::vector<std::string>& servers) {
-  command.add_option("--server", servers, "endpoint; say it once per server")
+  command
+      .add_option("--server", servers,
+                  "endpoint; say it once per server, or a name that has the addresses of all")
       ->type_name("tcp://HOST:PORT")
       ->capture_default_str();
 }

@@ -139,11 +139,11 @@ Result<std::optional<service::Authentication>> read_keys(const service::ServerCo
 }
 
 int serve(const ServeArguments& arguments) {
-  const auto config = configure(arguments);
-  if (!config) return refuse(config.error());
-  // Before anything that takes long: a signal that comes meanwhile is not lost, and kills nobody.
+  // Before any file is read: a signal that comes meanwhile is not lost, and kills nobody.
   const int stop_fd = signal_descriptor({SIGTERM, SIGINT});
   const int reload_fd = signal_descriptor({SIGHUP});
+  const auto config = configure(arguments);
+  if (!config) return refuse(config.error());
   const auto authentication = read_keys(*config);
   if (!authentication) return refuse(authentication.error());
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,

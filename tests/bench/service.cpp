@@ -2,7 +2,9 @@
 /// server/service/PROMISES.md.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "graspd/command_line/run_program.hpp"
@@ -15,6 +17,7 @@ struct Options {
   std::filesystem::path out = "build/bench";
   int requests_n = 1000;
   int soak_s = 120;
+  std::vector<std::string> only;  ///< groups of trials; none: all
 };
 
 class Table {
@@ -136,6 +139,7 @@ void measure_soak(std::chrono::seconds length, Table& table) {
   table.add("soak_failed", soak.failed_n, "0");
   if (soak.memory_mb.empty()) return;
   table.add("soak_memory_begin_mb", soak.memory_mb.front(), "");
+  table.add("soak_memory_half_way_mb", soak.memory_mb[soak.memory_mb.size() / 2], "");
   table.add("soak_memory_end_mb", soak.memory_mb.back(), "as at the beginning");
 }
 
@@ -151,15 +155,40 @@ void measure_cost(std::size_t requests_n, Table& table) {
   table.add("front_cpu_ms", trials::front_cpu_ms(2 * requests_n), "at most 0.3");
 }
 
+using Groups =
+    std::vector<std::pair<std::string, std::function<void(const Options& options, Table& table)>>>;
+
+/// The trials by the names that `--only` takes, in the order in which they run.
+const Groups& groups() {
+  const auto by_requests = [](void (*measure)(std::size_t, Table&)) {
+    return [measure](const Options& options, Table& table) {
+      measure(static_cast<std::size_t>(options.requests_n), table);
+    };
+  };
+  static const Groups kGroups{
+      {"deaths", by_requests(measure_deaths)},
+      {"network", by_requests(measure_network)},
+      {"load", [](const Options& o, Table& table) { measure_load(o.requests_n, table); }},
+      {"crowds", by_requests(measure_crowds)},
+      {"keys", by_requests(measure_keys)},
+      {"cost", by_requests(measure_cost)},
+      {"soak", [](const Options& o, Table& table) {
+         measure_soak(std::chrono::seconds(o.soak_s), table);
+       }}};
+  return kGroups;
+}
+
+std::vector<std::string> group_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, measure] : groups()) names.push_back(name);
+  return names;
+}
+
 int measure(const Options& options) {
   Table table;
-  measure_deaths(static_cast<std::size_t>(options.requests_n), table);
-  measure_network(static_cast<std::size_t>(options.requests_n), table);
-  measure_load(options.requests_n, table);
-  measure_crowds(static_cast<std::size_t>(options.requests_n), table);
-  measure_keys(static_cast<std::size_t>(options.requests_n), table);
-  measure_cost(static_cast<std::size_t>(options.requests_n), table);
-  measure_soak(std::chrono::seconds(options.soak_s), table);
+  for (const auto& [name, measure] : groups()) {
+    if (options.only.empty() || std::ranges::count(options.only, name) > 0) measure(options, table);
+  }
   table.write(options.out);
   return table.is_clean() ? 0 : 1;
 }
@@ -179,6 +208,8 @@ int main(int count, char** words) {
     app.add_option("--soak-s", options.soak_s, "the length of the soak in seconds")
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
+    app.add_option("--only", options.only, "these trials alone, and no others")
+        ->check(CLI::IsMember(graspd::bench::group_names()));
     app.callback([&] {
       if (const int code = graspd::bench::measure(options)) throw CLI::RuntimeError(code);
     });

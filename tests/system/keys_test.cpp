@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "graspd/client/client.hpp"
 #include "serve_process.hpp"
 #include "serve_scene.hpp"
@@ -123,6 +125,45 @@ TEST_F(KeysSystemTest, SighupRevokesAndAllowsWhileItServes) {
   while (!plan(elbows, "bar")) {
   }
   EXPECT_EQ(server.workers(), workers) << "the parts have not changed";
+}
+
+/// Whether the process has this signal wait, instead of being ended by it.
+bool blocks(pid_t pid, int signal) {
+  std::ifstream status(fmt::format("/proc/{}/status", pid));
+  for (std::string word; status >> word;) {
+    if (word != "SigBlk:") continue;
+    std::uint64_t mask = 0;
+    status >> std::hex >> mask;
+    return (mask >> (signal - 1) & 1) != 0;
+  }
+  return false;
+}
+
+TEST_F(KeysSystemTest, SighupAtAnyMomentOfTheStartIsObeyed) {
+  write_box_part(folder_, "brick", 2, {60, 40, 30});
+  make("elbows");
+  // From the first moment to when it is about to be ready.
+  for (const int delay_ms : {0, 40, 150}) {
+    SCOPED_TRACE(fmt::format("SIGHUP {} ms after the signal is held", delay_ms));
+    std::filesystem::rename(path("parts/brick"), path("brick"));
+    ServeProcess server(server_arguments(), path("log"));
+    while (!blocks(server.pid(), SIGHUP)) std::this_thread::yield();
+    std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
+    std::filesystem::rename(path("brick"), path("parts/brick"));
+    ASSERT_EQ(grasp("keys allow " + path("elbows.pub") + list_option()).exit_code, 0);
+    server.kill(SIGHUP);
+    ASSERT_TRUE(server.wait_ready()) << run("cat " + path("log")).output;
+    client::Client client({server.data_endpoint}, options_of("elbows"));
+    const auto end = std::chrono::steady_clock::now() + kBudget;
+    bool is_known = false;
+    while (!is_known && std::chrono::steady_clock::now() < end) {
+      is_known = plan(client, "brick").has_value();
+    }
+    EXPECT_TRUE(is_known) << run("cat " + path("log")).output;
+    server.kill(SIGTERM);
+    EXPECT_EQ(server.wait(), 0);
+    ASSERT_EQ(grasp("keys revoke elbows" + list_option()).exit_code, 0);
+  }
 }
 
 TEST_F(KeysSystemTest, SighupTakesUpNewPartsAndKeepsTheOldOnesWhereTheNewAreWrong) {

@@ -54,6 +54,23 @@ TEST(Reload, NewPartsComeIntoForce) {
   EXPECT_EQ(health->workers_n, 2u);
 }
 
+TEST(Reload, PartsThatChangeWhileTheServerStartsAreTakenUp) {
+  // The front has read the old ones, its workers the new ones: all are unfit, again and again.
+  ThreadLauncher launcher(scripted_plan, kNewServer);
+  RunningFront front(scripted_config(6), launcher, loading([] {
+                       std::this_thread::sleep_for(std::chrono::milliseconds(500));
+                       return new_parts();
+                     }));
+  front.reload();
+  front.wait_ready();
+  Client client({front.data_endpoint});
+  const auto answer = plan(client, "novelty");
+  ASSERT_TRUE(answer) << answer.error().message;
+  // The crew that never worked is gone: the next reload does not wait for it.
+  front.reload();
+  front.wait_for_log("the parts have not changed");
+}
+
 TEST(Reload, MetricsTellOfTheNewParts) {
   ThreadLauncher launcher = threads();
   RunningFront front(with_http(1), launcher, loading([] { return new_parts(); }));

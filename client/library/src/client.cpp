@@ -3,6 +3,7 @@
 #include <sys/random.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <system_error>
 
 #include "graspd/codec/codec.hpp"
@@ -20,6 +21,8 @@ Result<T> body_of(Result<Answer> answer) {
 }
 
 }  // namespace
+
+void print_warning(const std::string& message) { fmt::print(stderr, "warning: {}\n", message); }
 
 RequestId new_request_id() {
   RequestId id;
@@ -39,9 +42,8 @@ Result<PreparedPlan> prepare(const DepthFrame& frame, const PlanRequest& request
 }
 
 Client::Client(const std::vector<std::string>& endpoints, ClientOptions options)
-    : endpoints_(endpoints),
-      options_(std::move(options)),
-      loop_(std::make_unique<Loop>(endpoints_, options_.keys, options_.dispatch)) {}
+    : options_(std::move(options)),
+      loop_(std::make_unique<Loop>(endpoints, options_.keys, options_.dispatch, options_.names)) {}
 
 Client::~Client() = default;
 
@@ -104,14 +106,16 @@ Result<PlanAnswer> Client::ask_again(std::string_view envelope, std::string_view
 }
 
 std::vector<ServerHealth> Client::health(std::chrono::milliseconds budget) {
+  const TimePoint deadline = Clock::now() + budget;
+  const Directory servers = loop_->servers(deadline);
   std::vector<std::future<Result<HealthAnswer>>> futures;
-  for (std::size_t server = 0; server < endpoints_.size(); ++server) {
+  for (const std::string& endpoint : servers.endpoints) {
     Loop::Call call;
     call.request.id = new_request_id();
     call.request.cell = options_.cell;
     call.request.call = HealthCall{};
-    call.deadline = Clock::now() + budget;
-    call.only = server;
+    call.deadline = deadline;
+    call.only = endpoint;
     auto promise = std::make_shared<std::promise<Result<HealthAnswer>>>();
     call.done = [promise](Result<Answer> answer, std::optional<TimePoint>) {
       promise->set_value(body_of<HealthAnswer>(std::move(answer)));
@@ -120,8 +124,11 @@ std::vector<ServerHealth> Client::health(std::chrono::milliseconds budget) {
     loop_->post(std::move(call));
   }
   std::vector<ServerHealth> healths;
-  for (std::size_t server = 0; server < endpoints_.size(); ++server) {
-    healths.push_back({endpoints_[server], futures[server].get()});
+  for (std::size_t server = 0; server < futures.size(); ++server) {
+    healths.push_back({servers.endpoints[server], futures[server].get()});
+  }
+  for (const auto& [endpoint, error] : servers.unresolved) {
+    healths.push_back({endpoint, tl::unexpected(error)});
   }
   return healths;
 }

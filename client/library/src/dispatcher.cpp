@@ -1,7 +1,6 @@
 #include "graspd/client/dispatcher.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 #include <tuple>
 
 namespace graspd::client {
@@ -19,17 +18,45 @@ constexpr milliseconds kLastQuarantine{32'000};
 
 }  // namespace
 
-Dispatcher::Dispatcher(std::vector<std::string> endpoints, DispatchOptions options,
+Dispatcher::Dispatcher(const std::vector<std::string>& endpoints, DispatchOptions options,
                        std::uint64_t seed)
     : options_(options), retry_tokens_(kRetryTokens), random_(seed) {
-  if (endpoints.empty()) throw std::invalid_argument("a client needs at least one server");
-  for (std::string& endpoint : endpoints) {
-    Server server;
-    server.endpoint = std::move(endpoint);
-    server.last_asked = random_() >> 32;
-    servers_.push_back(std::move(server));
-  }
+  for (const std::string& endpoint : endpoints) add_server(endpoint);
   asked_n_ = std::uint64_t{1} << 32;
+}
+
+std::size_t Dispatcher::add_server(const std::string& endpoint) {
+  auto found = std::ranges::find(servers_, Server::State::kGone, &Server::state);
+  if (found == servers_.end()) {
+    servers_.emplace_back();
+    found = servers_.end() - 1;
+    for (Call& call : calls_) call.tried.push_back(false);
+  }
+  *found = Server{};
+  found->endpoint = endpoint;
+  found->last_asked = random_() >> 32;
+  const auto index = static_cast<std::size_t>(found - servers_.begin());
+  for (Call& call : calls_) call.tried[index] = false;
+  return index;
+}
+
+void Dispatcher::retire(std::size_t server) { servers_[server].state = Server::State::kRetiring; }
+
+void Dispatcher::keep(std::size_t server) { servers_[server].state = Server::State::kInUse; }
+
+std::vector<std::size_t> Dispatcher::take_gone() {
+  std::vector<std::size_t> gone;
+  for (std::size_t index = 0; index < servers_.size(); ++index) {
+    Server& server = servers_[index];
+    const bool is_asked = server.in_flight_n > 0 || std::ranges::any_of(calls_, [&](const Call& c) {
+                            return c.only == index;
+                          });
+    if (server.state != Server::State::kRetiring || is_asked) continue;
+    server = Server{};
+    server.state = Server::State::kGone;
+    gone.push_back(index);
+  }
+  return gone;
 }
 
 void Dispatcher::add(const RequestId& id, TimePoint now, TimePoint deadline,
@@ -241,7 +268,8 @@ bool Dispatcher::any_connected(const Call& call) const {
 }
 
 bool Dispatcher::may_use(const Call& call, std::size_t server) const {
-  return !call.only || *call.only == server;
+  if (call.only) return *call.only == server;
+  return servers_[server].state == Server::State::kInUse;
 }
 
 TimePoint Dispatcher::wake_of(const Call& call, TimePoint now) const {
@@ -258,16 +286,19 @@ TimePoint Dispatcher::wake_of(const Call& call, TimePoint now) const {
 
 /// Waiting for a connection is of no use.
 bool Dispatcher::all_refuse(const Call& call) const {
+  bool is_any = false;
   for (std::size_t index = 0; index < servers_.size(); ++index) {
     const auto& refusal = servers_[index].refusal;
     const bool for_good = refusal && refusal->code == Code::kUnauthenticated;
     if (may_use(call, index) && !for_good) return false;
+    is_any = is_any || may_use(call, index);
   }
-  return true;
+  return is_any;
 }
 
 /// Why there is nobody to ask. A refusal says more than silence.
 Error Dispatcher::unavailable(const Call& call) const {
+  if (no_server_) return *no_server_;
   for (std::size_t index = 0; index < servers_.size(); ++index) {
     if (may_use(call, index) && servers_[index].refusal) return *servers_[index].refusal;
   }

@@ -1,15 +1,15 @@
 #include "loop.hpp"
 
-#include <pthread.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <random>
 #include <system_error>
 
 #include "graspd/codec/codec.hpp"
+#include "thread_without_signals.hpp"
 
 namespace graspd::client {
 namespace {
@@ -18,16 +18,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLongestSleep{1000};
 
-std::vector<ServerLink> connect(zmq::context_t& context, const std::vector<std::string>& endpoints,
-                                const std::optional<keys::ClientKeys>& keys) {
-  std::vector<ServerLink> links;
-  links.reserve(endpoints.size());
-  for (const std::string& endpoint : endpoints) {
-    links.emplace_back(context, endpoint, links.size(), keys ? &*keys : nullptr);
-  }
-  return links;
-}
-
 using Payload = std::shared_ptr<const std::vector<std::byte>>;
 
 /// Sent from where it lies: the frame shares it until it is sent, or given up.
@@ -35,17 +25,6 @@ zmq::message_t frame_of(const Payload& payload) {
   const auto release = [](void*, void* shared) { delete static_cast<Payload*>(shared); };
   // Nobody writes to it: libzmq has but one kind of pointer.
   return {const_cast<std::byte*>(payload->data()), payload->size(), release, new Payload(payload)};
-}
-
-/// Signals are for the program's own threads: one that hits ours would interrupt a socket.
-std::thread thread_without_signals(std::function<void()> body) {
-  sigset_t all;
-  sigset_t before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::thread thread(std::move(body));
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return thread;
 }
 
 /// What goes out for a call: its request, or the recorded envelope with its header.
@@ -61,13 +40,19 @@ std::string envelope_of(const Call& call) {
 }  // namespace
 
 Client::Loop::Loop(const std::vector<std::string>& endpoints, std::optional<keys::ClientKeys> keys,
-                   const DispatchOptions& options)
+                   const DispatchOptions& options, const NameOptions& names)
     : keys_(std::move(keys)),
-      links_(connect(context_, endpoints, keys_)),
-      dispatcher_(endpoints, options, std::random_device{}()),
+      resolver_(endpoints, names),
+      dispatcher_({}, options, std::random_device{}()),
       wake_(Clock::now()),
       wake_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (wake_fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  try {
+    take_servers();  // those without names: what is no endpoint is said here
+  } catch (...) {
+    close(wake_fd_);
+    throw;
+  }
   thread_ = thread_without_signals([this] { run(); });
 }
 
@@ -91,15 +76,18 @@ void Client::Loop::post(Call call) {
 
 void Client::Loop::run() {
   while (take_posted()) {
-    for (std::size_t server = 0; server < links_.size(); ++server) read_server(server);
+    for (std::size_t server = 0; server < servers_.size(); ++server) read_server(server);
     send_due();
-    std::vector<zmq::pollitem_t> items{{nullptr, wake_fd_, ZMQ_POLLIN, 0}};
+    close_gone();
+    std::vector<zmq::pollitem_t> items{{nullptr, wake_fd_, ZMQ_POLLIN, 0},
+                                       {nullptr, resolver_.fd(), ZMQ_POLLIN, 0}};
     const TimePoint now = Clock::now();
     TimePoint until = std::min(wake_, now + kLongestSleep);
-    for (ServerLink& link : links_) {
-      link.renew_if_due(now);
-      link.add_items(items);
-      if (const auto renewal = link.renewal()) until = std::min(until, *renewal);
+    for (const auto& [endpoint, link] : servers_) {
+      if (!link) continue;
+      link->renew_if_due(now);
+      link->add_items(items);
+      if (const auto renewal = link->renewal()) until = std::min(until, *renewal);
     }
     zmq::poll(items, std::max(milliseconds(0), std::chrono::ceil<milliseconds>(until - now)));
   }
@@ -118,24 +106,64 @@ bool Client::Loop::take_posted() {
     posted.swap(posted_);
     stop = stop_;
   }
+  take_servers();  // those that calls are for
   for (Call& call : posted) {
     const RequestId id = call.request.id;
-    dispatcher_.add(id, Clock::now(), call.deadline, call.only);
+    const auto only = find(call.only);
+    const bool is_for_nobody = !call.only.empty() && !only;
+    dispatcher_.add(id, Clock::now(), is_for_nobody ? TimePoint::min() : call.deadline, only);
     calls_[id] = std::move(call);
   }
   return !stop;
 }
 
+/// What names stand for now: servers that are new get a link, and those that are gone lose theirs
+/// after the last answer.
+void Client::Loop::take_servers() {
+  const auto directory = resolver_.take();
+  if (!directory) return;
+  for (std::size_t server = 0; server < servers_.size(); ++server) {
+    const bool is_known = std::ranges::count(directory->endpoints, servers_[server].endpoint) > 0;
+    if (servers_[server].link && !is_known) dispatcher_.retire(server);
+  }
+  for (const std::string& endpoint : directory->endpoints) {
+    const auto known = find(endpoint);
+    if (known) {
+      dispatcher_.keep(*known);
+      continue;
+    }
+    const std::size_t server = dispatcher_.add_server(endpoint);
+    servers_.resize(std::max(servers_.size(), server + 1));
+    servers_[server] = {endpoint, std::make_unique<ServerLink>(context_, endpoint, links_n_++,
+                                                               keys_ ? &*keys_ : nullptr)};
+  }
+  const bool is_any = !directory->endpoints.empty();
+  dispatcher_.no_server(is_any ? std::nullopt : std::optional(directory->unresolved[0].error));
+}
+
+std::optional<std::size_t> Client::Loop::find(const std::string& endpoint) const {
+  for (std::size_t server = 0; server < servers_.size(); ++server) {
+    if (servers_[server].link && servers_[server].endpoint == endpoint) return server;
+  }
+  return std::nullopt;
+}
+
+void Client::Loop::close_gone() {
+  for (const std::size_t server : dispatcher_.take_gone()) servers_[server] = {};
+}
+
 void Client::Loop::read_server(std::size_t server) {
+  if (!servers_[server].link) return;
   // Answers first: what a server sent before it left is still an answer.
   read_answers(server);
-  while (auto change = links_[server].next_change()) {
+  while (auto change = servers_[server].link->next_change()) {
     switch (change->kind) {
       case ServerLink::Change::Kind::kConnected:
         dispatcher_.connected(server);
         break;
       case ServerLink::Change::Kind::kDisconnected:
         dispatcher_.disconnected(server, Clock::now());
+        resolver_.look_again();
         break;
       case ServerLink::Change::Kind::kRefused:
         refused(server, change->why);
@@ -147,11 +175,11 @@ void Client::Loop::read_server(std::size_t server) {
 void Client::Loop::refused(std::size_t server, const Error& why) {
   const TimePoint now = Clock::now();
   dispatcher_.refused(server, why, now);
-  links_[server].renew_later(now);
+  servers_[server].link->renew_later(now);
 }
 
 void Client::Loop::read_answers(std::size_t server) {
-  while (const auto envelope = links_[server].receive()) {
+  while (const auto envelope = servers_[server].link->receive()) {
     const codec::Bytes bytes(static_cast<const std::byte*>(envelope->data()), envelope->size());
     Result<Answer> answer = codec::decode_answer(bytes);
     if (!answer) continue;  // not graspd.v1: nobody's answer, and its call will time out
@@ -179,7 +207,7 @@ void Client::Loop::send_due() {
     std::vector<zmq::message_t> frames;
     frames.emplace_back(envelope.data(), envelope.size());
     if (call.payload) frames.push_back(frame_of(call.payload));
-    if (links_[attempt.server].send(std::move(frames))) {
+    if (servers_[attempt.server].link->send(std::move(frames))) {
       if (!call.sent) call.sent = Clock::now();
       continue;
     }

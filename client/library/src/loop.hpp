@@ -11,6 +11,7 @@
 #include <zmq.hpp>
 
 #include "graspd/client/client.hpp"
+#include "resolver.hpp"
 #include "server_link.hpp"
 
 namespace graspd::client {
@@ -25,19 +26,24 @@ class Client::Loop {
     std::string envelope;  ///< not empty: this is sent, with the header of `request`
     std::shared_ptr<const std::vector<std::byte>> payload;  ///< null for health
     TimePoint deadline;
-    std::optional<std::size_t> only;
+    std::string only;               ///< not empty: ask this server, once
     Done done;                      ///< called once, on the loop's thread
     std::optional<TimePoint> sent;  ///< its first attempt
   };
 
   Loop(const std::vector<std::string>& endpoints, std::optional<keys::ClientKeys> keys,
-       const DispatchOptions& options);
+       const DispatchOptions& options, const NameOptions& names);
   ~Loop();
   void post(Call call);
+  /// Once every name has been looked up, or at the deadline.
+  Directory servers(TimePoint deadline) const { return resolver_.wait(deadline); }
 
  private:
   void run();
   bool take_posted();
+  void take_servers();
+  std::optional<std::size_t> find(const std::string& endpoint) const;
+  void close_gone();
   void read_server(std::size_t server);
   void read_answers(std::size_t server);
   void refused(std::size_t server, const Error& why);
@@ -46,7 +52,13 @@ class Client::Loop {
 
   zmq::context_t context_;
   std::optional<keys::ClientKeys> keys_;
-  std::vector<ServerLink> links_;
+  Resolver resolver_;
+  struct Server {
+    std::string endpoint;
+    std::unique_ptr<ServerLink> link;  ///< none: nobody has this index
+  };
+  std::vector<Server> servers_;  ///< by the dispatcher's indexes
+  std::size_t links_n_ = 0;      ///< made so far
   Dispatcher dispatcher_;
   std::map<RequestId, Call> calls_;
   TimePoint wake_;

@@ -161,7 +161,13 @@ void Front::Impl::read_data() {
 void Front::Impl::tend_workers() {
   take_turns();
   for (Crew* crew : crews()) {
-    if (crew != next_crew_.get()) tend(*crew);
+    if (crew == next_crew_.get()) continue;
+    try {
+      tend(*crew);
+    } catch (const std::runtime_error&) {
+      // While other parts are being loaded, workers may be unfit for no other reason than that.
+      if (!changing_parts() && !reload_again_) throw;
+    }
   }
 }
 

@@ -170,16 +170,14 @@ void Supervisor::bury(Worker& worker, const std::string& reason, TimePoint now, 
         fmt::format("{} ({}) is gone: {}", worker.identity, worker.handle->name(), why));
   }
   if (worker.holds_ticket) report.lost.push_back({worker.ticket, why});
-  if (!worker.was_ready) {
-    ++failed_starts_n_;
-    if (!any_was_ready_ && failed_starts_n_ >= limits_.failed_starts_n) {
-      throw std::runtime_error(
-          fmt::format("workers end before they are ready; the last one: {}", why));
-    }
-  }
-  const milliseconds wait = worker.was_ready ? milliseconds(0) : back_off();
+  const bool has_failed = !worker.was_ready;
+  if (has_failed) ++failed_starts_n_;
   worker = {};
-  worker.since = now + wait;
+  worker.since = now + (has_failed ? back_off() : milliseconds(0));
+  if (has_failed && !any_was_ready_ && failed_starts_n_ >= limits_.failed_starts_n) {
+    throw std::runtime_error(
+        fmt::format("workers end before they are ready; the last one: {}", why));
+  }
 }
 
 void Supervisor::check_limits(Worker& worker, TimePoint now) {

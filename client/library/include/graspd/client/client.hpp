@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "graspd/client/addresses.hpp"
 #include "graspd/client/dispatcher.hpp"
 #include "graspd/keys/key_files.hpp"
 #include "graspd/types/answer.hpp"
@@ -19,6 +20,20 @@
 
 namespace graspd::client {
 
+/// Writes it to the standard error output.
+void print_warning(const std::string& message);
+
+/// How endpoints with a host's name become servers: one for each of its addresses. Both functions
+/// are called from a thread of the client's, and `resolve` may outlive it by one call.
+struct NameOptions {
+  Resolve resolve = addresses_of;
+  /// How often names are looked up again; besides, within a second of losing a server, and every
+  /// second while one has no address.
+  std::chrono::milliseconds every{10'000};
+  /// Told of a name that has no address, while there are other servers.
+  std::function<void(const std::string& message)> on_warning = print_warning;
+};
+
 /// In whose name a client asks, and how.
 struct ClientOptions {
   std::string cell = "default";  ///< whose turn a request counts as: one name per robot cell
@@ -26,6 +41,7 @@ struct ClientOptions {
   /// Without them only servers that are `insecure` answer. A key answers for its own cell alone.
   std::optional<keys::ClientKeys> keys;
   DispatchOptions dispatch;
+  NameOptions names;
 };
 
 /// One server's answer, or why there was none.
@@ -61,7 +77,9 @@ struct PlanEnd {
 class Client {
  public:
   /// Returns at once, connected or not. \param endpoints the servers' data endpoints, as
-  /// "tcp://127.0.0.1:5555".
+  /// "tcp://127.0.0.1:5555". A host's name stands for all of its addresses, of which each is a
+  /// server; it is looked up again from time to time. Where no name has an address, calls end with
+  /// UNAVAILABLE, which says so.
   /// \throws std::invalid_argument for one that is no endpoint, or none at all.
   explicit Client(const std::vector<std::string>& endpoints, ClientOptions options = {});
   ~Client();
@@ -92,12 +110,11 @@ class Client {
   void submit(const PreparedPlan& plan, std::chrono::milliseconds budget, const RequestId& id,
               std::function<void(PlanEnd)> done);
 
-  /// Asks every server once.
+  /// Asks every server once; a name that has no address is told as a server that is not there.
   std::vector<ServerHealth> health(std::chrono::milliseconds budget = std::chrono::seconds(2));
 
  private:
   class Loop;
-  std::vector<std::string> endpoints_;
   ClientOptions options_;
   std::unique_ptr<Loop> loop_;
 };

@@ -39,7 +39,19 @@ struct DispatchOptions {
 /// Not thread-safe; time comes in with each call.
 class Dispatcher {
  public:
-  Dispatcher(std::vector<std::string> endpoints, DispatchOptions options, std::uint64_t seed);
+  Dispatcher(const std::vector<std::string>& endpoints, DispatchOptions options,
+             std::uint64_t seed);
+
+  /// \returns its index: a new one, or that of a server that is gone.
+  std::size_t add_server(const std::string& endpoint);
+  /// Asks it nothing new. It is gone when nothing is in flight to it any more.
+  void retire(std::size_t server);
+  /// It is not to be retired after all.
+  void keep(std::size_t server);
+  /// The retiring servers that are gone now.
+  std::vector<std::size_t> take_gone();
+  /// Why there is no server to wait for; nothing: there is one.
+  void no_server(std::optional<Error> why) { no_server_ = std::move(why); }
 
   /// `only`: ask this server, once (health).
   void add(const RequestId& id, TimePoint now, TimePoint deadline,
@@ -80,6 +92,7 @@ class Dispatcher {
  private:
   struct Server {
     std::string endpoint;
+    enum class State { kInUse, kRetiring, kGone } state = State::kInUse;
     bool connected = false;
     std::size_t in_flight_n = 0;
     TimePoint hold_until;          ///< it asked to be left alone
@@ -119,6 +132,7 @@ class Dispatcher {
 
   DispatchOptions options_;
   std::vector<Server> servers_;
+  std::optional<Error> no_server_;
   std::list<Call> calls_;
   double retry_tokens_;
   std::uint64_t asked_n_ = 0;
