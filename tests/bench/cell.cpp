@@ -21,6 +21,7 @@ constexpr std::chrono::seconds kBudget{60};
 struct Options {
   std::filesystem::path parts = "deploy/parts";
   std::string out = "build/bench/cell";
+  std::string commit;
   std::filesystem::path cell = "deploy/cells/simulated_tees.yaml";
   bool floating = false;
   std::string gif;
@@ -98,13 +99,14 @@ Result<void> run_part(const parts::Part& part, const std::vector<Pipeline>& pipe
       int success_n = 0;
       BinJob job{part, pipeline, cell, carrier, std::nullopt};
       if (!options.gif.empty()) job.gif = options.gif;
-      const auto bin = empty_bin(job, piles, planner, [&](const PickRow& pick) {
+      auto bin = empty_bin(job, piles, planner, [&](const PickRow& pick) {
         log.add(key, pick);
         success_n += pick.verdict == "SUCCESS";
         std::cerr << fmt::format("\r{} {} pile {} of {}: {} of {} picks ", part.id, pipeline.name,
                                  k + 1, piles_n, success_n, pick.pick_n);
       });
       if (!bin) return tl::unexpected(bin.error());
+      bin->commit = options.commit;
       log.add(key, *bin);
       std::cerr << fmt::format("\r{} {} pile {} of {}: {} of {} parts placed in {:.0f} s: {}\n",
                                part.id, pipeline.name, k + 1, piles_n, bin->placed_n, bin->parts_n,
@@ -168,7 +170,9 @@ int main(int count, char** words) {
                    "an animation of a bin's emptying; of several bins, the last one's");
     app.add_flag("--fresh", options.fresh, "forget what earlier runs have measured");
     app.add_option("--out", options.out, "stem of the files that are written")
+        ->take_last()
         ->capture_default_str();
+    app.add_option("--commit", options.commit, "of the sources, for each bin's row");
     app.callback([&] {
       if (auto ok = graspd::bench::run(options); !ok) throw std::runtime_error(ok.error().message);
     });
