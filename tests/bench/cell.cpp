@@ -22,6 +22,7 @@ constexpr std::chrono::seconds kBudget{60};
 struct Options {
   std::filesystem::path parts = "deploy/parts";
   std::string out = "build/bench/cell";
+  std::string commit;
   std::filesystem::path cell = "deploy/cells/simulated_tees.yaml";
   bool floating = false;
   std::string gif;
@@ -101,11 +102,12 @@ Result<void> run_part(const parts::Part& part, const std::vector<Pipeline>& pipe
       const std::string what =
           fmt::format("{} {} pile {} of {}", part.id, pipeline.name, k + 1, piles_n);
       Progress placed(what + ": placed", static_cast<std::size_t>(options.parts_n));
-      const auto bin = empty_bin(job, piles, planner, [&](const PickRow& pick) {
+      auto bin = empty_bin(job, piles, planner, [&](const PickRow& pick) {
         log.add(key, pick);
         if (pick.verdict == "SUCCESS") placed.step();
       });
       if (!bin) return tl::unexpected(bin.error());
+      bin->commit = options.commit;
       log.add(key, *bin);
       placed.hide();
       std::cerr << fmt::format("{}: {} of {} parts placed in {:.0f} s: {}\n", what, bin->placed_n,
@@ -169,7 +171,9 @@ int main(int count, char** words) {
                    "an animation of a bin's emptying; of several bins, the last one's");
     app.add_flag("--fresh", options.fresh, "forget what earlier runs have measured");
     app.add_option("--out", options.out, "stem of the files that are written")
+        ->take_last()
         ->capture_default_str();
+    app.add_option("--commit", options.commit, "of the sources, for each bin's row");
     app.callback([&] {
       if (auto ok = graspd::bench::run(options); !ok) throw std::runtime_error(ok.error().message);
     });

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <fstream>
 #include <numeric>
-#include <sstream>
+#include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "graspd/eval/interval.hpp"
 #include "graspd/eval/quantile.hpp"
@@ -15,21 +16,20 @@ namespace graspd::bench {
 namespace {
 
 constexpr const char* kPicksHeader =
-    "pipeline,part,seed,pick,verdict,others_moved_mm,planning_s,cpu_s,why\n";
+    "pipeline,part,seed,pick,verdict,others_moved_mm,planning_s,cpu_s,score,room_mm,why\n";
 constexpr const char* kBinsHeader =
-    "pipeline,part,seed,parts,placed,duration_s,planning_s,wall_s,reason\n";
-constexpr std::size_t kColumns = 9;
+    "pipeline,part,seed,commit,parts,placed,duration_s,planning_s,wall_s,reason\n";
 
 std::string line_of(const BinKey& key, const PickRow& row) {
-  return fmt::format("{},{},{},{},{},{:.2f},{:.4f},{:.3f},{}\n", key.pipeline, key.part, key.seed,
-                     row.pick_n, row.verdict, 1e3 * row.others_moved_m, row.planning_s, row.cpu_s,
-                     row.why);
+  return fmt::format("{},{},{},{},{},{:.2f},{:.4f},{:.3f},{:.3f},{:.0f},{}\n", key.pipeline,
+                     key.part, key.seed, row.pick_n, row.verdict, 1e3 * row.others_moved_m,
+                     row.planning_s, row.cpu_s, row.score, 1e3 * row.room_m, row.why);
 }
 
 std::string line_of(const BinKey& key, const BinRow& row) {
-  return fmt::format("{},{},{},{},{},{:.3f},{:.3f},{:.2f},{}\n", key.pipeline, key.part, key.seed,
-                     row.parts_n, row.placed_n, row.duration_s, row.planning_s, row.wall_s,
-                     row.reason);
+  return fmt::format("{},{},{},{},{},{},{:.3f},{:.3f},{:.2f},{}\n", key.pipeline, key.part,
+                     key.seed, row.commit, row.parts_n, row.placed_n, row.duration_s,
+                     row.planning_s, row.wall_s, row.reason);
 }
 
 void append(const std::filesystem::path& path, const std::string& text, bool truncate = false) {
@@ -44,17 +44,27 @@ std::vector<std::vector<std::string>> rows_of(const std::filesystem::path& path)
   std::ifstream file(path);
   std::string line;
   std::getline(file, line);
+  const auto commas_n = static_cast<std::size_t>(std::ranges::count(line, ','));
   while (std::getline(file, line)) {
-    std::vector<std::string>& row = rows.emplace_back();
-    std::istringstream cells(line);
-    std::string cell;
-    while (row.size() + 1 < kColumns && std::getline(cells, cell, ',')) row.push_back(cell);
-    std::getline(cells, cell);
-    row.push_back(cell);
-    // The run was stopped while this line was written.
-    if (row.size() < kColumns) rows.pop_back();
+    std::vector<std::string> row;
+    std::size_t from = 0, comma = 0;
+    while (row.size() < commas_n && (comma = line.find(',', from)) != std::string::npos) {
+      row.push_back(line.substr(from, comma - from));
+      from = comma + 1;
+    }
+    // Otherwise the run was stopped while this line was written.
+    if (row.size() < commas_n) continue;
+    row.push_back(line.substr(from));
+    rows.push_back(std::move(row));
   }
   return rows;
+}
+
+/// What stands above a file that is there.
+std::string header_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  return std::getline(file, line) ? line + "\n" : "";
 }
 
 BinKey key_of(const std::vector<std::string>& row) { return {row[0], row[1], std::stoi(row[2])}; }
@@ -64,6 +74,7 @@ struct Sums {
   int bins_n = 0, picks_n = 0, success_n = 0, collision_n = 0, parts_n = 0, placed_n = 0;
   double duration_s = 0, planning_s = 0;
   std::vector<double> cpu_s, others_moved_mm;
+  std::set<std::string> commits;
 
   double share(int hits_n, int all_n) const { return all_n == 0 ? 0 : double(hits_n) / all_n; }
   double picks_per_hour() const { return duration_s > 0 ? 3600 * placed_n / duration_s : 0; }
@@ -88,6 +99,7 @@ std::vector<Sums> sums_of(const std::vector<BinResult>& results) {
       sums->pipeline = result.key.pipeline;
     }
     ++sums->bins_n;
+    sums->commits.insert(result.bin.commit);
     sums->parts_n += result.bin.parts_n;
     sums->placed_n += result.bin.placed_n;
     sums->duration_s += result.bin.duration_s;
@@ -118,16 +130,30 @@ CellLog::CellLog(const std::string& stem, bool fresh)
 }
 
 void CellLog::read() {
+  for (const auto& [path, header] :
+       {std::pair(bins_path_, kBinsHeader), {picks_path_, kPicksHeader}}) {
+    const std::string found = header_of(path);
+    if (found.empty() || found == header) continue;
+    throw std::runtime_error(path.string() +
+                             ": has other columns than this program's; move it away, or begin anew "
+                             "with --fresh");
+  }
   for (const auto& row : rows_of(bins_path_)) {
-    at(key_of(row)).bin = {std::stoi(row[3]), std::stoi(row[4]), std::stod(row[5]),
-                           std::stod(row[6]), std::stod(row[7]), row[8]};
+    at(key_of(row)).bin = {row[3],
+                           std::stoi(row[4]),
+                           std::stoi(row[5]),
+                           std::stod(row[6]),
+                           std::stod(row[7]),
+                           std::stod(row[8]),
+                           row[9]};
     done_.push_back(key_of(row));
   }
   for (const auto& row : rows_of(picks_path_)) {
     if (!has(key_of(row))) continue;
     at(key_of(row))
-        .picks.push_back({std::stoi(row[3]), row[4], row[8], 1e-3 * std::stod(row[5]),
-                          std::stod(row[6]), std::stod(row[7])});
+        .picks.push_back({std::stoi(row[3]), row[4], row[10], 1e-3 * std::stod(row[5]),
+                          std::stod(row[6]), std::stod(row[7]), std::stod(row[8]),
+                          1e-3 * std::stod(row[9])});
   }
 }
 
@@ -161,14 +187,16 @@ void CellLog::add(const BinKey& key, const BinRow& bin) {
 
 Table cell_table(const std::vector<BinResult>& results) {
   Table table({"part", "pipeline", "bins", "picks", "success %", "collision %", "emptied %",
-               "picks per hour", "planning %", "others moved, median mm", "CPU s a pick, mean"});
+               "picks per hour", "planning %", "others moved, median mm", "CPU s a pick, mean",
+               "commit"});
   for (const Sums& sums : sums_of(results)) {
     table.add({sums.part, sums.pipeline, fmt::to_string(sums.bins_n), fmt::to_string(sums.picks_n),
                percent(sums.success_n, sums.picks_n), percent(sums.collision_n, sums.picks_n),
                percent(sums.placed_n, sums.parts_n), fmt::format("{:.0f}", sums.picks_per_hour()),
                fmt::format("{:.1f}", 100 * sums.planning_share()),
                fmt::format("{:.1f}", sums.median(sums.others_moved_mm)),
-               fmt::format("{:.2f}", sums.mean(sums.cpu_s))});
+               fmt::format("{:.2f}", sums.mean(sums.cpu_s)),
+               fmt::format("{}", fmt::join(sums.commits, ", "))});
   }
   return table;
 }

@@ -9,6 +9,7 @@
 
 #include "graspd/agent/averaging_camera.hpp"
 #include "graspd/agent/pick_cycle.hpp"
+#include "graspd/eval/pose_error.hpp"
 #include "graspd/simulated/film.hpp"
 #include "simulated_equipment.hpp"
 
@@ -55,29 +56,39 @@ bool is_stopped_by_resistance(const agent::PickCycle& cycle) {
 /// Knows which part the agent means, and waits for the trace of each pick.
 class Judge final : public agent::Observer {
  public:
-  explicit Judge(const sim_cell::PhysicsCell& cell) : cell_(cell) {}
+  Judge(const sim_cell::PhysicsCell& cell, const parts::Part& part) : cell_(cell), part_(part) {}
 
   void planned(std::uint64_t, const DepthFrame&, const PlanRequest&,
                const Result<PlanAnswer>& answer) override {
     objects_ = answer ? answer->objects : std::vector<Object>();
+    parts_ = cell_.parts();
   }
   void finished(const agent::PickRecord& record) override {
     planning_s += seconds(record.plan);
     if (!record.chosen) return;
-    Open open{seconds(record.plan), {}, record.chosen->grasp};
+    open_ = Open{seconds(record.plan), {}, record.chosen->grasp};
     for (const Object& object : objects_) {
       if (object.id != record.chosen->grasp.object_id) continue;
-      open.intended = cell_.part_at(0, object.T_base_part);
+      open_->intended = cell_.part_at(0, object.T_base_part);
+      open_->score = object.score;
     }
-    open_ = open;
   }
   /// To be called when the next frame was taken. \returns the pick before it, if there was one.
   std::optional<PickRow> judged() {
     if (!open_) return std::nullopt;
     const sim_cell::JudgedPick judged = sim_cell::judge(cell_.last_trace(), open_->intended);
-    PickRow row{++picks_n, std::string(name_of(judged.verdict)), judged.why, judged.others_moved_m,
-                open_->planning_s};
-    if (!row.why.empty()) row.why += "; " + place_of(open_->grasp);
+    PickRow row{++picks_n,         std::string(name_of(judged.verdict)),
+                judged.why,        judged.others_moved_m,
+                open_->planning_s, 0,
+                open_->score,      open_->grasp.room_m};
+    if (!row.why.empty()) {
+      if (open_->intended) row.why += fmt::format("; {}", known_of(*open_->intended));
+      for (const sim_cell::Touch& touch : cell_.last_trace().touches) {
+        if (!touch.part || touch.part == open_->intended || !touch.is_before_closing) continue;
+        row.why += fmt::format(", {}", known_of(*touch.part));
+      }
+      row.why += "; " + place_of(open_->grasp);
+    }
     open_.reset();
     return row;
   }
@@ -90,7 +101,21 @@ class Judge final : public agent::Observer {
     double planning_s = 0;
     std::optional<std::size_t> intended;
     Grasp grasp;
+    double score = 0;
   };
+
+  /// What the plan's objects say of a part: by how much the nearest one's pose is off.
+  std::string known_of(std::size_t part) const {
+    double least_m = part_.diameter_m / 2;
+    std::string known = fmt::format("part {} not found", part);
+    for (const Object& object : objects_) {
+      const double error_m = eval::mssd_m(part_, object.T_base_part, parts_[part].T_base_part);
+      if (error_m >= least_m) continue;
+      least_m = error_m;
+      known = fmt::format("part {} found {:.1f} mm off", part, 1e3 * error_m);
+    }
+    return known;
+  }
 
   /// Where in the bin.
   std::string place_of(const Grasp& grasp) const {
@@ -105,7 +130,9 @@ class Judge final : public agent::Observer {
   }
 
   const sim_cell::PhysicsCell& cell_;
+  const parts::Part& part_;
   std::vector<Object> objects_;
+  std::vector<sim_cell::CellPart> parts_;  ///< as they lay when it was planned
   std::optional<Open> open_;
 };
 
@@ -149,7 +176,7 @@ Result<BinRow> empty_bin(const BinJob& job, const simulation::PileMaker& piles,
   const agent::Ports ports{camera, cell.timed(planner), cell.arm(), cell.gripper(), cell.clock()};
   std::optional<agent::Film> film;
   if (job.gif) film.emplace(cell.physics(), std::vector{job.part.color_rgb});
-  Judge judge(cell.physics());
+  Judge judge(cell.physics(), job.part);
 
   double lap_s = cpu_s();
   const auto report = [&] {

@@ -37,10 +37,13 @@ struct PickRow {
   std::string verdict, why;
   double others_moved_m = 0;
   double planning_s = 0;
-  double cpu_s = 0;  ///< that the simulation took
+  double cpu_s = 0;   ///< that the simulation took
+  double score = 0;   ///< of the object: how probable its pose was
+  double room_m = 0;  ///< of the grasp
 };
 
 struct BinRow {
+  std::string commit;  ///< of the sources that it was emptied by, as far as it is known
   int parts_n = 0, placed_n = 0;
   double duration_s = 0;  ///< simulated motion and measured planning
   double planning_s = 0;
