@@ -1,58 +1,15 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "graspd/client/dispatcher.hpp"
+#include "client_dispatcher_fixture.hpp"
 
-namespace graspd::client {
+namespace graspd::client::dispatching {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using ::testing::HasSubstr;
-
-const TimePoint kStart{seconds(1000)};
-const TimePoint kDeadline = kStart + seconds(10);
-
-RequestId id(int number) {
-  RequestId id{};
-  id[0] = static_cast<std::uint8_t>(number);
-  return id;
-}
-
-Answer answer(int number, Code code = Code::kOk, std::uint32_t retry_after_ms = 0) {
-  Answer answer;
-  answer.id = id(number);
-  answer.code = code;
-  answer.message = code == Code::kOk ? "" : "because";
-  answer.retry_after_ms = retry_after_ms;
-  return answer;
-}
-
-class DispatcherTest : public ::testing::Test {
- protected:
-  /// The one attempt that is due now.
-  Dispatcher::Attempt attempt(TimePoint now) {
-    const auto step = dispatcher_.step(now);
-    EXPECT_EQ(step.attempts.size(), 1u);
-    EXPECT_TRUE(step.failed.empty());
-    return step.attempts.empty() ? Dispatcher::Attempt{} : step.attempts[0];
-  }
-  Error failure(TimePoint now) {
-    const auto step = dispatcher_.step(now);
-    EXPECT_TRUE(step.attempts.empty());
-    EXPECT_EQ(step.failed.size(), 1u);
-    return step.failed.empty() ? Error{} : step.failed[0].error;
-  }
-  void expect_nothing(TimePoint now) {
-    const auto step = dispatcher_.step(now);
-    EXPECT_TRUE(step.attempts.empty() && step.failed.empty());
-  }
-
-  DispatchOptions options_;
-  Dispatcher dispatcher_{{"tcp://a:1", "tcp://b:1"}, options_, 1};
-};
 
 TEST_F(DispatcherTest, WaitsForAConnectionThenSaysWhatToCheck) {
   dispatcher_.add(id(1), kStart, kDeadline);
@@ -380,56 +337,5 @@ TEST_F(DispatcherTest, HealthAsksOneServerOnce) {
               ::testing::AllOf(HasSubstr("tcp://b:1"), ::testing::Not(HasSubstr("tcp://a:1"))));
 }
 
-TEST_F(DispatcherTest, ARetiringServerEndsWhatItHasAndGetsNothingNew) {
-  dispatcher_.connected(0);
-  dispatcher_.add(id(1), kStart, kDeadline);
-  EXPECT_EQ(attempt(kStart).server, 0u);
-  dispatcher_.connected(1);
-  dispatcher_.retire(0);
-  EXPECT_THAT(dispatcher_.take_gone(), ::testing::IsEmpty());
-  for (int number = 2; number < 5; ++number) {
-    dispatcher_.add(id(number), kStart, kDeadline);
-    EXPECT_EQ(attempt(kStart).server, 1u);
-  }
-  EXPECT_TRUE(dispatcher_.answered(0, answer(1), kStart));
-  EXPECT_THAT(dispatcher_.take_gone(), ::testing::ElementsAre(0));
-  EXPECT_THAT(dispatcher_.take_gone(), ::testing::IsEmpty());
-}
-
-TEST_F(DispatcherTest, AServerThatIsKeptAfterAllIsAskedAgain) {
-  dispatcher_.connected(0);
-  dispatcher_.retire(0);
-  dispatcher_.keep(0);
-  EXPECT_THAT(dispatcher_.take_gone(), ::testing::IsEmpty());
-  dispatcher_.add(id(1), kStart, kDeadline);
-  EXPECT_EQ(attempt(kStart).server, 0u);
-}
-
-TEST_F(DispatcherTest, AnIndexThatIsFreeIsTakenByAnotherServerThatNobodyHasTried) {
-  dispatcher_.connected(0);
-  dispatcher_.add(id(1), kStart, kDeadline);
-  EXPECT_EQ(attempt(kStart).server, 0u);
-  dispatcher_.retire(0);
-  dispatcher_.disconnected(0, kStart);
-  EXPECT_THAT(dispatcher_.take_gone(), ::testing::ElementsAre(0));
-  EXPECT_EQ(dispatcher_.add_server("tcp://c:1"), 0u);
-  EXPECT_EQ(dispatcher_.add_server("tcp://d:1"), 2u);
-  const TimePoint later = kStart + seconds(1);
-  expect_nothing(later);  // it has to be connected first
-  dispatcher_.connected(1);
-  dispatcher_.connected(2);
-  EXPECT_NE(attempt(later).server, 0u);
-}
-
-TEST(Dispatcher, WithoutAServerWaitsForOneThenSaysWhy) {
-  Dispatcher dispatcher({}, DispatchOptions{}, 1);
-  dispatcher.no_server(Error{Code::kUnavailable, "no address"});
-  dispatcher.add(id(1), kStart, kDeadline);
-  EXPECT_TRUE(dispatcher.step(kStart).failed.empty());
-  const auto step = dispatcher.step(kStart + DispatchOptions{}.connect_timeout);
-  ASSERT_EQ(step.failed.size(), 1u);
-  EXPECT_EQ(step.failed[0].error.message, "no address");
-}
-
 }  // namespace
-}  // namespace graspd::client
+}  // namespace graspd::client::dispatching
