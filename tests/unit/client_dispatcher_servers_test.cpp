@@ -5,9 +5,7 @@
 namespace graspd::client::dispatching {
 namespace {
 
-using std::chrono::milliseconds;
 using std::chrono::seconds;
-using ::testing::HasSubstr;
 
 TEST_F(DispatcherTest, ARetiringServerEndsWhatItHasAndGetsNothingNew) {
   dispatcher_.connected(0);
