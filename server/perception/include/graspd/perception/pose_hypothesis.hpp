@@ -42,7 +42,10 @@ struct PoseHypothesis {
 
 /// What the image says of a pose that was refined, for how probable it is.
 struct ConfidenceTerms {
-  float fit = 0, refuted = 0, log_support = 0, leftover = 0;
+  float fit = 0;          ///< of the view's points: supported, each by its weight, less refuted
+  float refuted = 0;      ///< share of the points that were tested
+  float log_support = 0;  ///< natural logarithm of how many readings support it
+  float leftover = 0;     ///< share of the outline beyond which the surface goes on
 };
 /// What its counts say, and its confidence as score.
 Evidence evidence_of(const PoseHypothesis& pose);

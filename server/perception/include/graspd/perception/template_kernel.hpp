@@ -36,7 +36,7 @@ struct TemplateLimits {
 /// A template in one of its turns.
 struct TemplateMatch {
   float score = 0;  ///< samples within tolerance less those behind, of those compared; above 0
-  std::uint32_t place = 0;
+  std::uint32_t place = 0;  ///< template and turn in one number, so that a match is 64 bits
 
   TemplateMatch() = default;
   TemplateMatch(float match_score, std::uint32_t index, std::uint32_t turn)
