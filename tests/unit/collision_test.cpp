@@ -89,6 +89,24 @@ TEST_F(Collision, AJawInANeighbourFailsWhetherTheNeighbourIsRecognisedOrNot) {
   EXPECT_EQ(of(check(T), Check::kGripperCloud).state, CheckState::kFailed);
 }
 
+TEST_F(Collision, OnlyFloorAndRecognisedPartsMayReadTooNear) {
+  add(BlockPile::at(0.02, 0, 0.0125));
+  const Eigen::Isometry3d T = above(pile_.parts[0]);  // the tips 4 mm above the floor
+  pile_.look([](DepthFrame& frame) {
+    for (std::uint16_t& depth : frame.depth) depth -= depth == 0 ? 0 : 5;
+  });
+  EXPECT_EQ(state(Check::kGripperCloud, T), CheckState::kPassed) << "a floor that reads too near";
+
+  const Vector3d plate_m(0.08, 0.025, 0.009);
+  pile_.others = {{BlockPile::at(0.02, 0.035, plate_m.z() / 2), plate_m}};
+  pile_.look();
+  EXPECT_EQ(state(Check::kGripperCloud, T), CheckState::kFailed) << "a part that was not found";
+  const parts::Part plate = testing::block_part("plate", plate_m);
+  pile_.parts.push_back({&plate, pile_.others[0].T_camera_block});
+  EXPECT_EQ(state(Check::kGripperCloud, T), CheckState::kPassed) << "the same, found";
+  EXPECT_EQ(state(Check::kGripperParts, T), CheckState::kFailed);
+}
+
 TEST_F(Collision, AJawInTheShadowOfATallNeighbourFails) {
   // Under the camera's foot the block's far side is hidden: at x = 0.125 it is 100 mm high, and
   // hides the floor up to x = 0.125 · 750 / 650 = 0.144.

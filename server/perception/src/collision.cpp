@@ -66,7 +66,7 @@ CollisionScene::CollisionScene(const Scene& scene, std::span<const PlacedPart> p
                                const std::optional<Bin>& bin, const Gripper& gripper,
                                const CollisionParameters& parameters)
     : parameters_(parameters), gripper_(gripper), parts_(parts), bin_(bin) {
-  if (scene.seen && is_on(Check::kGripperCloud)) free_space_.emplace(scene, bin, parameters);
+  if (scene.seen && is_on(Check::kGripperCloud)) free_space_.emplace(scene, parts, bin, parameters);
   if (bin) walls_ = walls_of(*bin);
   if (is_on(Check::kHeldPart)) lifting_.emplace(parts, parameters);
   for (const PlacedPart& part : parts) {

@@ -48,13 +48,14 @@ Stretch stretch_in(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direc
 
 }  // namespace
 
-FreeSpace::FreeSpace(const Scene& scene, const std::optional<Bin>& bin,
-                     const CollisionParameters& parameters)
+FreeSpace::FreeSpace(const Scene& scene, std::span<const PlacedPart> parts,
+                     const std::optional<Bin>& bin, const CollisionParameters& parameters)
     : parameters_(parameters), T_camera_floor_(scene.T_camera_floor) {
   place(*scene.seen, scene);
   // Before the walls are taken out: a hole at their edge is as deep as they are.
   fill_from_rim(parameters.hole_px);
   if (bin) take_out_walls(*bin, scene.workspace_m);
+  bring_unexplained_nearer(parts, scene);
   fill_unseen(scene);
   find_tile_minima();
 }
@@ -136,6 +137,30 @@ void FreeSpace::fill_unseen(const Scene& scene) {
   }
 }
 
+void FreeSpace::bring_unexplained_nearer(std::span<const PlacedPart> parts, const Scene& scene) {
+  const auto tolerance_m = static_cast<float>(parameters_.cloud_tolerance_m);
+  const float nearer_m = tolerance_m - static_cast<float>(parameters_.unexplained_tolerance_m);
+  if (nearer_m <= 0) return;
+  const Eigen::Isometry3f T_floor_camera = T_camera_floor_.inverse().cast<float>();
+  const Eigen::AlignedBox3f parts_m(scene.workspace_m.min().cast<float>(),
+                                    scene.workspace_m.max().cast<float>());
+  std::vector<std::uint8_t> is_unexplained(free_m_.size(), 0);
+  for (int v = 0; v < height_px_; ++v) {
+    for (int u = 0; u < width_px_; ++u) {
+      const float free_m = free_m_[index(u, v)];
+      if (!(free_m > 0) || free_m == kNone_m) continue;
+      const Eigen::Vector3f p_m = T_floor_camera * (ray(u, v).cast<float>() * free_m);
+      is_unexplained[index(u, v)] = p_m.z() > tolerance_m && parts_m.contains(p_m) ? 1 : 0;
+    }
+  }
+  for (const PlacedPart& part : parts) {
+    for_cells_of(part, [&](std::size_t cell) { is_unexplained[cell] = 0; });
+  }
+  for (std::size_t cell = 0; cell < free_m_.size(); ++cell) {
+    if (is_unexplained[cell] != 0) free_m_[cell] -= nearer_m;
+  }
+}
+
 void FreeSpace::find_tile_minima() {
   const int tiles_u = width_px_ / kTile;
   tile_free_m_.assign(static_cast<std::size_t>(tiles_u) * (height_px_ / kTile), kNone_m);
@@ -204,11 +229,10 @@ void FreeSpace::fill_from_rim(int steps_n) {
   open_.clear();
 }
 
-void FreeSpace::take_out(const PlacedPart& target) {
-  for (const auto& [cell, value] : taken_) free_m_[cell] = value;
-  taken_.clear();
+template <class See>
+void FreeSpace::for_cells_of(const PlacedPart& part, const See& see) {
   // The template's points are about a pixel apart; one more pixel around each closes the gaps.
-  draw_silhouette(target, T_camera_floor_, {width_px_, height_px_, fx_px_, fy_px_, cx_px_, cy_px_},
+  draw_silhouette(part, T_camera_floor_, {width_px_, height_px_, fx_px_, fy_px_, cx_px_, cy_px_},
                   parameters_.edge_px + 1, silhouette_);
   const auto tolerance_m = static_cast<float>(parameters_.cloud_tolerance_m);
   for (int y = 0; y < silhouette_.height; ++y) {
@@ -218,10 +242,18 @@ void FreeSpace::take_out(const PlacedPart& target) {
       const std::size_t cell = first + static_cast<std::size_t>(x);
       if (nearest_m[x] == Silhouette::kNone_m || free_m_[cell] < nearest_m[x] - tolerance_m)
         continue;
-      taken_.push_back({cell, free_m_[cell]});
-      open(cell);
+      see(cell);
     }
   }
+}
+
+void FreeSpace::take_out(const PlacedPart& target) {
+  for (const auto& [cell, value] : taken_) free_m_[cell] = value;
+  taken_.clear();
+  for_cells_of(target, [this](std::size_t cell) {
+    taken_.push_back({cell, free_m_[cell]});
+    open(cell);
+  });
   fill_from_rim(kShadow_px);
 }
 

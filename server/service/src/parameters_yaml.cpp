@@ -139,13 +139,14 @@ void visit(perception::GraspParameters& p, Visitor& section) {
 
 template <class Visitor>
 void visit(perception::CollisionParameters& p, Visitor& section) {
-  auto& [gripper_cloud, gripper_parts, gripper_bin, held_part, cloud_tolerance_m, edge_px, hole_px,
-         margin_m, lift_tolerance_m, lift_overlap_m] = p;
+  auto& [gripper_cloud, gripper_parts, gripper_bin, held_part, cloud_tolerance_m,
+         unexplained_tolerance_m, edge_px, hole_px, margin_m, lift_tolerance_m, lift_overlap_m] = p;
   section.flag("gripper_cloud", gripper_cloud);
   section.flag("gripper_parts", gripper_parts);
   section.flag("gripper_bin", gripper_bin);
   section.flag("held_part", held_part);
   section.number("cloud_tolerance_m", cloud_tolerance_m, 0, 0.1);
+  section.number("unexplained_tolerance_m", unexplained_tolerance_m, 0, 0.1);
   section.number("edge_px", edge_px, 0, 20);
   section.number("hole_px", hole_px, 0, 100);
   section.number("margin_m", margin_m, 0, 0.1);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "graspd/perception/collision_kernel.hpp"
@@ -31,10 +32,14 @@ namespace graspd::perception {
 /// belong; and its model is a better judge of where it is. What is seen beside it goes on behind
 /// it: a neighbour's reading forbids the shadow too. What lies in front of its model is not its own
 /// and stays.
+///
+/// Of floor and found parts it is known where they are, and a reading may be too near by
+/// `cloud_tolerance_m`. What is neither is a part that was not found: nothing but its readings
+/// keeps the gripper away from it, and these may be too near by `unexplained_tolerance_m`.
 class FreeSpace {
  public:
-  /// \param scene with what is seen. \param bin in the floor's frame.
-  FreeSpace(const Scene& scene, const std::optional<Bin>& bin,
+  /// \param scene with what is seen. \param parts that were found. \param bin in the floor's frame.
+  FreeSpace(const Scene& scene, std::span<const PlacedPart> parts, const std::optional<Bin>& bin,
             const CollisionParameters& parameters);
 
   /// Takes this part out of the image, and puts back the one that was out.
@@ -58,6 +63,11 @@ class FreeSpace {
   void place(const DepthGrid& seen, const Scene& scene);
   void take_out_walls(const Bin& bin, const Eigen::AlignedBox3d& workspace_m);
   void fill_unseen(const Scene& scene);
+  /// Brings what is neither floor nor found part nearer, by what its tolerance is smaller.
+  void bring_unexplained_nearer(std::span<const PlacedPart> parts, const Scene& scene);
+  /// \param see called with each cell in which the part is what is seen, or hides it.
+  template <class See>
+  void for_cells_of(const PlacedPart& part, const See& see);
   void find_tile_minima();
   /// Until the cell is filled, it holds nothing.
   void open(std::size_t cell);

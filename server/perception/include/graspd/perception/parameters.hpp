@@ -121,8 +121,9 @@ struct CollisionParameters {
   bool gripper_parts = true;
   bool gripper_bin = true;
   bool held_part = true;
-  double cloud_tolerance_m = 0.006;  ///< a reading may be too near by
-  int edge_px = 2;                   ///< by which a silhouette may be smeared
+  double cloud_tolerance_m = 0.006;    ///< a reading may be too near by
+  double unexplained_tolerance_m = 0;  ///< the same of what neither a found part nor the floor is
+  int edge_px = 2;                     ///< by which a silhouette may be smeared
   int hole_px = 4;          ///< from its rim, a hole in the image is as deep as what is seen there
   double margin_m = 0.002;  ///< from other parts: poses are no truer
   double lift_tolerance_m = 0.004;  ///< what lies no higher above the held part is not lifted
