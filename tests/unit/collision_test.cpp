@@ -93,7 +93,7 @@ TEST_F(Collision, OnlyFloorAndRecognisedPartsMayReadTooNear) {
   add(BlockPile::at(0.02, 0, 0.0125));
   const Eigen::Isometry3d T = above(pile_.parts[0]);  // the tips 4 mm above the floor
   pile_.look([](DepthFrame& frame) {
-    for (std::uint16_t& depth : frame.depth) depth -= depth == 0 ? 0 : 5;
+    for (std::uint16_t& depth : frame.depth) depth = depth == 0 ? 0 : std::uint16_t(depth - 5);
   });
   EXPECT_EQ(state(Check::kGripperCloud, T), CheckState::kPassed) << "a floor that reads too near";
 
@@ -105,6 +105,25 @@ TEST_F(Collision, OnlyFloorAndRecognisedPartsMayReadTooNear) {
   pile_.parts.push_back({&plate, pile_.others[0].T_camera_block});
   EXPECT_EQ(state(Check::kGripperCloud, T), CheckState::kPassed) << "the same, found";
   EXPECT_EQ(state(Check::kGripperParts, T), CheckState::kFailed);
+}
+
+TEST_F(Collision, AnUnrecognisedPartMayReachBeyondItsReadings) {
+  add(BlockPile::at(0.02, 0, 0.0125));
+  const Eigen::Isometry3d T = above(pile_.parts[0]);
+  const auto beside = [](double gap_m) {  // the jaw ends 25.5 mm from the part's middle
+    return BlockPile::at(0.02, 0.0255 + gap_m + 0.0125, 0.0125);
+  };
+  pile_.others = {{beside(0.008), Vector3d(0.08, 0.025, 0.025)}};
+  pile_.look();
+  EXPECT_EQ(state(Check::kGripperCloud, T), CheckState::kPassed) << "8 mm away";
+  pile_.others = {{beside(0.0022), Vector3d(0.08, 0.025, 0.025)}};
+  pile_.look();
+  EXPECT_EQ(state(Check::kGripperCloud, T), CheckState::kFailed) << "2.2 mm away";
+  pile_.others.clear();
+  add(beside(0.0022));
+  pile_.look();
+  EXPECT_EQ(state(Check::kGripperCloud, T), CheckState::kPassed) << "2.2 mm away, and found";
+  EXPECT_EQ(state(Check::kGripperParts, T), CheckState::kPassed);
 }
 
 TEST_F(Collision, AJawInTheShadowOfATallNeighbourFails) {

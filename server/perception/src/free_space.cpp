@@ -55,7 +55,7 @@ FreeSpace::FreeSpace(const Scene& scene, std::span<const PlacedPart> parts,
   // Before the walls are taken out: a hole at their edge is as deep as they are.
   fill_from_rim(parameters.hole_px);
   if (bin) take_out_walls(*bin, scene.workspace_m);
-  bring_unexplained_nearer(parts, scene);
+  keep_from_unexplained(parts, scene);
   fill_unseen(scene);
   find_tile_minima();
 }
@@ -137,27 +137,40 @@ void FreeSpace::fill_unseen(const Scene& scene) {
   }
 }
 
-void FreeSpace::bring_unexplained_nearer(std::span<const PlacedPart> parts, const Scene& scene) {
+void FreeSpace::keep_from_unexplained(std::span<const PlacedPart> parts, const Scene& scene) {
   const auto tolerance_m = static_cast<float>(parameters_.cloud_tolerance_m);
   const float nearer_m = tolerance_m - static_cast<float>(parameters_.unexplained_tolerance_m);
-  if (nearer_m <= 0) return;
   const Eigen::Isometry3f T_floor_camera = T_camera_floor_.inverse().cast<float>();
-  const Eigen::AlignedBox3f parts_m(scene.workspace_m.min().cast<float>(),
-                                    scene.workspace_m.max().cast<float>());
+  const Eigen::AlignedBox3f workspace_m = scene.workspace_m.cast<float>();
   std::vector<std::uint8_t> is_unexplained(free_m_.size(), 0);
+  const Eigen::Vector3f next = T_floor_camera.linear().col(0) / fx_px_;  // ray, one column on
   for (int v = 0; v < height_px_; ++v) {
+    const Eigen::Vector3f first = T_floor_camera.linear() * ray(0, v).cast<float>();
     for (int u = 0; u < width_px_; ++u) {
       const float free_m = free_m_[index(u, v)];
       if (!(free_m > 0) || free_m == kNone_m) continue;
-      const Eigen::Vector3f p_m = T_floor_camera * (ray(u, v).cast<float>() * free_m);
-      is_unexplained[index(u, v)] = p_m.z() > tolerance_m && parts_m.contains(p_m) ? 1 : 0;
+      const Eigen::Vector3f p_m =
+          T_floor_camera.translation() + (first + static_cast<float>(u) * next) * free_m;
+      is_unexplained[index(u, v)] = p_m.z() > tolerance_m && workspace_m.contains(p_m) ? 1 : 0;
     }
   }
   for (const PlacedPart& part : parts) {
     for_cells_of(part, [&](std::size_t cell) { is_unexplained[cell] = 0; });
   }
+  std::vector<Cell> unexplained;
   for (std::size_t cell = 0; cell < free_m_.size(); ++cell) {
-    if (is_unexplained[cell] != 0) free_m_[cell] -= nearer_m;
+    if (is_unexplained[cell] != 0) unexplained.push_back({cell, free_m_[cell] - nearer_m});
+  }
+  const int reach_px = parameters_.edge_px;
+  for (const auto& [cell, value] : unexplained) {
+    const auto u = static_cast<int>(cell % static_cast<std::size_t>(width_px_));
+    const auto v = static_cast<int>(cell / static_cast<std::size_t>(width_px_));
+    for (int y = std::max(0, v - reach_px); y <= std::min(height_px_ - 1, v + reach_px); ++y) {
+      for (int x = std::max(0, u - reach_px); x <= std::min(width_px_ - 1, u + reach_px); ++x) {
+        float& there_m = free_m_[index(x, y)];
+        there_m = std::min(there_m, value);
+      }
+    }
   }
 }
 

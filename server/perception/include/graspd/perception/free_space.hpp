@@ -35,7 +35,8 @@ namespace graspd::perception {
 ///
 /// Of floor and found parts it is known where they are, and a reading may be too near by
 /// `cloud_tolerance_m`. What is neither is a part that was not found: nothing but its readings
-/// keeps the gripper away from it, and these may be too near by `unexplained_tolerance_m`.
+/// keeps the gripper away from it. They may be too near by `unexplained_tolerance_m`, and the part
+/// may reach `edge_px` beyond them, since at its edge the camera sees what lies behind.
 class FreeSpace {
  public:
   /// \param scene with what is seen. \param parts that were found. \param bin in the floor's frame.
@@ -63,8 +64,8 @@ class FreeSpace {
   void place(const DepthGrid& seen, const Scene& scene);
   void take_out_walls(const Bin& bin, const Eigen::AlignedBox3d& workspace_m);
   void fill_unseen(const Scene& scene);
-  /// Brings what is neither floor nor found part nearer, by what its tolerance is smaller.
-  void bring_unexplained_nearer(std::span<const PlacedPart> parts, const Scene& scene);
+  /// Makes what is neither floor nor found part nearer and wider.
+  void keep_from_unexplained(std::span<const PlacedPart> parts, const Scene& scene);
   /// \param see called with each cell in which the part is what is seen, or hides it.
   template <class See>
   void for_cells_of(const PlacedPart& part, const See& see);
