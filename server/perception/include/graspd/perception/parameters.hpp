@@ -18,7 +18,7 @@ struct PreprocessParameters {
   double voxel_m = 0.002;
   double wall_margin_m = 0.005;      ///< points nearer to a bin's wall are the wall's
   double heap_m = 0.06;              ///< parts may be heaped so far above a bin's rim
-  double plane_tolerance_m = 0.006;  ///< RANSAC inlier distance
+  double plane_tolerance_m = 0.005;  ///< RANSAC inlier distance; thinner plates are the floor's
   int plane_iterations_n = 200;
   double plane_min_share = 0.1;          ///< a smaller plane is a part's face, not the floor
   double max_behind_plane_share = 0.02;  ///< nothing lies below a floor
