@@ -46,6 +46,13 @@ TEST_F(Planner, AnswersTheSameWhateverTheThreads) {
     const auto answer = plan_of(frame);
     for (const Object& object : answer->objects) {
       poses.emplace_back(object.T_base_part.matrix());
+      poses.back()(3, 0) = object.score;  // where a pose has nothing
+      poses.back()(3, 1) = object.grs.grs;
+    }
+    for (const Grasp& grasp : answer->grasps) {
+      poses.emplace_back(grasp.T_base_grasp.matrix());
+      poses.back()(3, 0) = grasp.opening_width_m;
+      poses.back()(3, 1) = grasp.room_m;
     }
     return poses;
   };
