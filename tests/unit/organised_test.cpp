@@ -103,6 +103,21 @@ TEST_F(Organised, LoneHolesAreFilledAndWideOnesStay) {
   for (int k = 0; k < 9; ++k) EXPECT_EQ(count_at(scene, frame, 260 + k % 3, 210 + k / 3), 0U);
 }
 
+TEST_F(Organised, APlateOfSixMillimetresIsNotTheFloors) {
+  // As thick as our bracket's legs, and half a millimetre too far, as half of its readings are.
+  constexpr int kPlateAbove_dmm = 55;
+  parameters_.wall_bow_m = 0;  // what is rendered is straight
+  DepthFrame frame = testing::render(testing::kinect_v2(), kFloor_m, {});
+  frame.depth_scale_m = 1e-4;
+  for (std::uint16_t& depth : frame.depth) depth = static_cast<std::uint16_t>(depth * 10);
+  for (int v = 196; v < 215; ++v) {
+    for (int u = 241; u < 270; ++u) {
+      reading(frame, u, v) = static_cast<std::uint16_t>(reading(frame, u, v) - kPlateAbove_dmm);
+    }
+  }
+  EXPECT_EQ(scene_of(frame).cloud.size(), 19U * 29U);
+}
+
 TEST_F(Organised, ABinThatIsPartlyOutOfSightIsCutAtTheImagesEdge) {
   const DepthFrame frame =
       testing::render(testing::kinect_v2(), kFloor_m, {block_at(-0.5, 0, {0.08, 0.06, 0.05})});

@@ -40,27 +40,26 @@ TEST_F(Planner, AnswersRankedGraspsWithTheirEvidence) {
 
 TEST_F(Planner, AnswersTheSameWhateverTheThreads) {
   const DepthFrame frame = frame_of(pile(6));
-  const auto poses_with = [&](std::size_t threads_n) {
+  const auto numbers_with = [&](std::size_t threads_n) {
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, threads_n);
-    std::vector<Eigen::Matrix4d> poses;
+    std::vector<double> numbers;
+    const auto add = [&](const Eigen::Isometry3d& T, std::initializer_list<double> others) {
+      numbers.insert(numbers.end(), T.data(), T.data() + T.matrix().size());
+      numbers.insert(numbers.end(), others);
+    };
     const auto answer = plan_of(frame);
     for (const Object& object : answer->objects) {
-      poses.emplace_back(object.T_base_part.matrix());
-      poses.back()(3, 0) = object.score;  // where a pose has nothing
-      poses.back()(3, 1) = object.grs.grs;
+      add(object.T_base_part, {object.score, object.grs.grs});
     }
     for (const Grasp& grasp : answer->grasps) {
-      poses.emplace_back(grasp.T_base_grasp.matrix());
-      poses.back()(3, 0) = grasp.opening_width_m;
-      poses.back()(3, 1) = grasp.room_m;
+      add(grasp.T_base_grasp, {grasp.opening_width_m, grasp.room_m, grasp.score});
     }
-    return poses;
+    return numbers;
   };
-  const auto one = poses_with(1);
+  const auto one = numbers_with(1);
+  ASSERT_FALSE(one.empty());
   for (const std::size_t threads_n : {1U, 2U, 4U}) {
-    const auto many = poses_with(threads_n);
-    ASSERT_EQ(many.size(), one.size());
-    for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(many[i], one[i]) << "to the bit";
+    EXPECT_EQ(numbers_with(threads_n), one) << "to the bit, with " << threads_n << " threads";
   }
 }
 

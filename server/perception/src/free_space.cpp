@@ -137,9 +137,9 @@ void FreeSpace::fill_unseen(const Scene& scene) {
   }
 }
 
-void FreeSpace::keep_from_unexplained(std::span<const PlacedPart> parts, const Scene& scene) {
+std::vector<FreeSpace::Cell> FreeSpace::unexplained(std::span<const PlacedPart> parts,
+                                                    const Scene& scene) {
   const auto tolerance_m = static_cast<float>(parameters_.cloud_tolerance_m);
-  const float nearer_m = tolerance_m - static_cast<float>(parameters_.unexplained_tolerance_m);
   const Eigen::Isometry3f T_floor_camera = T_camera_floor_.inverse().cast<float>();
   const Eigen::AlignedBox3f workspace_m = scene.workspace_m.cast<float>();
   std::vector<std::uint8_t> is_unexplained(free_m_.size(), 0);
@@ -157,18 +157,25 @@ void FreeSpace::keep_from_unexplained(std::span<const PlacedPart> parts, const S
   for (const PlacedPart& part : parts) {
     for_cells_of(part, [&](std::size_t cell) { is_unexplained[cell] = 0; });
   }
-  std::vector<Cell> unexplained;
+  std::vector<Cell> cells;
   for (std::size_t cell = 0; cell < free_m_.size(); ++cell) {
-    if (is_unexplained[cell] != 0) unexplained.push_back({cell, free_m_[cell] - nearer_m});
+    if (is_unexplained[cell] != 0) cells.push_back({cell, free_m_[cell]});
   }
+  return cells;
+}
+
+void FreeSpace::keep_from_unexplained(std::span<const PlacedPart> parts, const Scene& scene) {
+  // All of the image has `cloud_tolerance_m`: what has less comes nearer by the difference.
+  const auto nearer_m =
+      static_cast<float>(parameters_.cloud_tolerance_m - parameters_.unexplained_tolerance_m);
   const int reach_px = parameters_.edge_px;
-  for (const auto& [cell, value] : unexplained) {
+  for (const auto& [cell, free_m] : unexplained(parts, scene)) {
     const auto u = static_cast<int>(cell % static_cast<std::size_t>(width_px_));
     const auto v = static_cast<int>(cell / static_cast<std::size_t>(width_px_));
     for (int y = std::max(0, v - reach_px); y <= std::min(height_px_ - 1, v + reach_px); ++y) {
       for (int x = std::max(0, u - reach_px); x <= std::min(width_px_ - 1, u + reach_px); ++x) {
         float& there_m = free_m_[index(x, y)];
-        there_m = std::min(there_m, value);
+        there_m = std::min(there_m, free_m - nearer_m);
       }
     }
   }

@@ -80,8 +80,8 @@ class OpenNi2Camera final : public agent::Camera {
 
   Result<std::optional<DepthFrame>> next() override {
     openni::VideoFrameRef frame;
-    while (wait(std::chrono::milliseconds(0)) &&
-           stream_.readFrame(&frame) == openni::STATUS_OK) {  // what was waiting
+    // What was waiting is older than this call.
+    while (wait(std::chrono::milliseconds(0)) && stream_.readFrame(&frame) == openni::STATUS_OK) {
     }
     for (int i = 0; i < 2; ++i) {
       if (!wait(options_.timeout) || stream_.readFrame(&frame) != openni::STATUS_OK) {

@@ -64,9 +64,12 @@ class FreeSpace {
   void place(const DepthGrid& seen, const Scene& scene);
   void take_out_walls(const Bin& bin, const Eigen::AlignedBox3d& workspace_m);
   void fill_unseen(const Scene& scene);
-  /// Makes what is neither floor nor found part nearer and wider.
+  /// The cells of what is seen in the workspace and is neither floor nor found part.
+  std::vector<Cell> unexplained(std::span<const PlacedPart> parts, const Scene& scene);
+  /// Makes these nearer and wider.
   void keep_from_unexplained(std::span<const PlacedPart> parts, const Scene& scene);
-  /// \param see called with each cell in which the part is what is seen, or hides it.
+  /// \param see called with each cell of the part's silhouette, smeared by `edge_px`, in which
+  ///     nothing is seen in front of the part.
   template <class See>
   void for_cells_of(const PlacedPart& part, const See& see);
   void find_tile_minima();
