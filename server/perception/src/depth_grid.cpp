@@ -1,5 +1,7 @@
 #include "graspd/perception/depth_grid.hpp"
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -8,6 +10,7 @@
 
 #include "graspd/perception/plane_fit.hpp"
 #include "graspd/types/camera_model.hpp"
+#include "parallel.hpp"
 
 namespace graspd::perception {
 namespace {
@@ -153,9 +156,11 @@ void pack(DepthGrid& grid) {
   constexpr float kNone_m = std::numeric_limits<float>::max();
   const auto width = static_cast<std::size_t>(grid.width_px);
   grid.packed.assign(grid.size(), 0);
-  std::vector<float> nearest_m(width);  // of each column's three cells
-  for (int v = 1; v < grid.height_px - 1; ++v) {
-    const float* above = &grid.z_m[grid.index(0, v - 1)];
+  tbb::enumerable_thread_specific<std::vector<float>> memory(width);
+  parallel_for(static_cast<std::size_t>(grid.height_px - 2), [&](std::size_t row) {
+    const int v = static_cast<int>(row) + 1;
+    std::vector<float>& nearest_m = memory.local();  // of each column's three cells
+    const float* above = &grid.z_m[row * width];
     const float* here = above + width;
     const float* below = here + width;
     const auto or_none = [](float z_m) { return z_m > 0 ? z_m : kNone_m; };
@@ -169,7 +174,7 @@ void pack(DepthGrid& grid) {
       const float least_m = std::min(std::min(nearest_m[u - 1], nearest_m[u]), nearest_m[u + 1]);
       packed[u] = (is_part[u] != 0 ? units(here[u]) : 0) | units(least_m) << kHighBits;
     }
-  }
+  });
 }
 
 void mark_parts(const Cloud& parts_cloud, DepthGrid& grid) {

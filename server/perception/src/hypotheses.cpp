@@ -93,14 +93,19 @@ std::vector<Seed> choose_seeds(const DepthGrid& grid, double spacing_m) {
   };
   const int u_end = grid.width_px - first;
   const int v_end = grid.height_px - first;
-  std::vector<Seed> seeds;
-  for (int v = first_square(grid.cy_px); v < v_end; v += side) {
+  const int v_first = first_square(grid.cy_px);
+  const int rows_n = std::max(0, (v_end - v_first + side - 1) / side);
+  std::vector<std::vector<Seed>> of_rows(static_cast<std::size_t>(rows_n));
+  parallel_for(of_rows.size(), [&](std::size_t row) {
+    const int v = v_first + static_cast<int>(row) * side;
     for (int u = first_square(grid.cx_px); u < u_end; u += side) {
       const auto seed = choose_seed(grid, std::max(u, first), std::max(v, first),
                                     std::min(u + side, u_end), std::min(v + side, v_end));
-      if (seed) seeds.push_back(*seed);
+      if (seed) of_rows[row].push_back(*seed);
     }
-  }
+  });
+  std::vector<Seed> seeds;
+  for (const auto& row : of_rows) seeds.insert(seeds.end(), row.begin(), row.end());
   return seeds;
 }
 

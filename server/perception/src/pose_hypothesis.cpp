@@ -302,8 +302,10 @@ std::size_t PoseVerifier::open_cells(const PoseHypothesis& pose, double toleranc
       if (cells_of[i] == 0) continue;
       for (const std::int32_t offset : offsets) {
         const auto near = static_cast<std::uint32_t>(cells_of[i] + offset);
-        const bool explained = grid_.is_open(near) && std::abs(grid_.z_m[near] - z_m[i]) <= most_m;
-        if (explained && marks.add(near)) *next++ = near;
+        const bool explained = grid_.is_open(near) & (std::abs(grid_.z_m[near] - z_m[i]) <= most_m);
+        // Every cell is written down and only new ones are counted: a branch would be a guess.
+        *next = near;
+        next += marks.add_if(explained, near) ? 1 : 0;
       }
     }
   }

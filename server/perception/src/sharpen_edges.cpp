@@ -1,8 +1,12 @@
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "graspd/perception/depth_grid.hpp"
+#include "parallel.hpp"
 
 namespace graspd::perception {
 namespace {
@@ -44,8 +48,7 @@ Weights gaussian() {
 /// neighbours.
 float sharpened(const DepthGrid& grid, int u, int v, float gain, const Weights& weights) {
   const float z_m = grid.z_m[grid.index(u, v)];
-  float nearest_m = z_m, farthest_m = z_m;            // within the reach
-  float nearest_next_m = z_m, farthest_next_m = z_m;  // within one pixel
+  float nearest_m = z_m, farthest_m = z_m;  // within one pixel
   float sum_m = 0, total = 0;
   std::size_t i = 0;
   for (int y = -kReach_px; y <= kReach_px; ++y) {
@@ -54,16 +57,48 @@ float sharpened(const DepthGrid& grid, int u, int v, float gain, const Weights& 
       if (there_m <= 0) continue;
       sum_m += weights[i] * there_m;
       total += weights[i];
+      if (std::abs(x) > 1 || std::abs(y) > 1) continue;
       nearest_m = std::min(nearest_m, there_m);
       farthest_m = std::max(farthest_m, there_m);
-      if (std::abs(x) > 1 || std::abs(y) > 1) continue;
-      nearest_next_m = std::min(nearest_next_m, there_m);
-      farthest_next_m = std::max(farthest_next_m, there_m);
     }
   }
-  if (farthest_m - nearest_m < kEdge_m) return z_m;
-  return std::clamp(z_m + gain * (z_m - sum_m / total), nearest_next_m, farthest_next_m);
+  return std::clamp(z_m + gain * (z_m - sum_m / total), nearest_m, farthest_m);
 }
+
+/// How far apart the readings around a cell are, for the cells of one row.
+class RangesOfRow {
+ public:
+  explicit RangesOfRow(std::size_t width)
+      : nearest_m_(width), farthest_m_(width), ranges_m_(width, 0) {}
+
+  /// None of the row's outermost `kReach_px` cells.
+  const std::vector<float>& of(const DepthGrid& grid, int v) {
+    constexpr float kNone_m = std::numeric_limits<float>::max();
+    const std::size_t width = ranges_m_.size();
+    // Of each column, then of as many columns.
+    std::ranges::fill(nearest_m_, kNone_m);
+    std::ranges::fill(farthest_m_, 0.0F);
+    for (int y = -kReach_px; y <= kReach_px; ++y) {
+      const float* z_m = &grid.z_m[grid.index(0, v + y)];
+      for (std::size_t u = 0; u < width; ++u) {
+        nearest_m_[u] = std::min(nearest_m_[u], z_m[u] > 0 ? z_m[u] : kNone_m);
+        farthest_m_[u] = std::max(farthest_m_[u], z_m[u]);
+      }
+    }
+    for (std::size_t u = kReach_px; u + kReach_px < width; ++u) {
+      float nearest_m = kNone_m, farthest_m = 0;
+      for (std::size_t x = u - kReach_px; x <= u + kReach_px; ++x) {
+        nearest_m = std::min(nearest_m, nearest_m_[x]);
+        farthest_m = std::max(farthest_m, farthest_m_[x]);
+      }
+      ranges_m_[u] = farthest_m - nearest_m;
+    }
+    return ranges_m_;
+  }
+
+ private:
+  std::vector<float> nearest_m_, farthest_m_, ranges_m_;
+};
 
 }  // namespace
 
@@ -91,12 +126,17 @@ void sharpen_edges(DepthGrid& grid) {
   if (!(gain > 0)) return;
   static const Weights weights = gaussian();
   std::vector<float> mended_m = grid.z_m;
-  for (int v = kReach_px; v < grid.height_px - kReach_px; ++v) {
+  tbb::enumerable_thread_specific<RangesOfRow> memory(static_cast<std::size_t>(grid.width_px));
+  const int rows_n = std::max(0, grid.height_px - 2 * kReach_px);
+  parallel_for(static_cast<std::size_t>(rows_n), [&](std::size_t row) {
+    const int v = static_cast<int>(row) + kReach_px;
+    const std::vector<float>& ranges_m = memory.local().of(grid, v);
     for (int u = kReach_px; u < grid.width_px - kReach_px; ++u) {
+      if (ranges_m[static_cast<std::size_t>(u)] < kEdge_m) continue;
       const std::size_t i = grid.index(u, v);
       if (grid.z_m[i] > 0) mended_m[i] = sharpened(grid, u, v, gain, weights);
     }
-  }
+  });
   grid.z_m = std::move(mended_m);
 }
 

@@ -41,7 +41,7 @@ struct DepthGrid {
     return {packed.data(), width_px, height_px, fx_px, fy_px, cx_px, cy_px};
   }
   /// Whether a reading is there that no accepted part explains.
-  bool is_open(std::size_t cell) const { return z_m[cell] > 0 && is_claimed[cell] == 0; }
+  bool is_open(std::size_t cell) const { return (z_m[cell] > 0) & (is_claimed[cell] == 0); }
 
   /// Whether that reading may be a part's.
   bool can_support(std::size_t cell) const { return is_open(cell) && is_part[cell] != 0; }

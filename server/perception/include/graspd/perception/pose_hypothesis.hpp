@@ -55,10 +55,11 @@ class CellMarks {
  public:
   explicit CellMarks(std::size_t cells_n) : met_at_(cells_n, 0) {}
   void clear() { ++now_; }
-  /// \returns whether the cell is new.
-  bool add(std::size_t cell) {
-    const bool is_new = met_at_[cell] != now_;
-    met_at_[cell] = now_;
+  /// \returns whether it is asked for and the cell is new.
+  bool add_if(bool asked, std::size_t cell) {
+    std::uint32_t& met_at = met_at_[cell];
+    const bool is_new = asked & (met_at != now_);
+    met_at = asked ? now_ : met_at;
     return is_new;
   }
 
