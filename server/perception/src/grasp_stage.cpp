@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "graspd/perception/grasp_planning.hpp"
+#include "parallel.hpp"
 #include "pile_objects.hpp"
 #include "ranking.hpp"
 
@@ -39,12 +40,27 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
                       object.score});
     ids.push_back(object.id);
   }
-  describe_pile(placed, parameters, answer.objects);
-  CollisionScene collision(scene, placed, request.bin, request.gripper, parameters.collision);
+  // A target is taken out of its scene: each thread has one, and takes the objects in turn.
+  std::vector<CollisionScene> scenes;
+  parallel_invoke([&] { describe_pile(placed, parameters, answer.objects); },
+                  [&] {
+                    scenes.reserve(threads_n());
+                    scenes.emplace_back(scene, placed, request.bin, request.gripper,
+                                        parameters.collision);
+                    while (scenes.size() < std::min(threads_n(), placed.size())) {
+                      scenes.push_back(scenes.front());
+                    }
+                  });
+  std::vector<PartGrasps> grasps_of(placed.size());
+  parallel_for(scenes.size(), [&](std::size_t first) {
+    for (std::size_t i = first; i < placed.size(); i += scenes.size()) {
+      grasps_of[i] = plan_grasps_of(i, placed, ids, request.gripper, parameters.grasp,
+                                    scenes[first], request.options.explain_rejected);
+    }
+  });
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const Object& object = answer.objects[i];
-    const PartGrasps planned = plan_grasps_of(i, placed, ids, request.gripper, parameters.grasp,
-                                              collision, request.options.explain_rejected);
+    const PartGrasps& planned = grasps_of[i];
     for (const PlannedGrasp& grasp : planned.free) {
       answer.grasps.push_back(grasp_of(object, grasp, T_base_floor, request.gripper));
     }
@@ -58,7 +74,7 @@ void plan_grasps(const PlanRequest& request, const parts::Catalogue& catalogue,
   if (answer.grasps.empty() && answer.rejected_grasps.empty() && !placed.empty()) {
     // Nobody asked why, but that there is no grasp needs a reason.
     const PartGrasps first = plan_grasps_of(0, placed, ids, request.gripper, parameters.grasp,
-                                            collision, /*explain_rejected=*/true);
+                                            scenes.front(), /*explain_rejected=*/true);
     answer.rejected_grasps.push_back(
         grasp_of(answer.objects[0], *first.rejected, T_base_floor, request.gripper));
   }

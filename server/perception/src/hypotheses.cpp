@@ -245,9 +245,9 @@ class Places {
     places_m_.push_back(place_m);
   }
 
-  /// Calls `visit(i, distance²)` for the added places within kSamePlace_m.
-  template <class Visit>
-  void for_near(const Eigen::Vector3f& place_m, Visit visit) const {
+  /// Whether `is_it(i, distance²)` of any of the added places within kSamePlace_m.
+  template <class IsIt>
+  bool any_near(const Eigen::Vector3f& place_m, const IsIt& is_it) const {
     const Eigen::Array3i first = (cell_of(place_m) - 1).max(0);
     const Eigen::Array3i last = (cell_of(place_m) + 1).min(size_ - 1);
     for (int x = first.x(); x <= last.x(); ++x) {
@@ -257,12 +257,15 @@ class Places {
                i = next_[static_cast<std::size_t>(i)]) {
             const float distance2 =
                 (places_m_[static_cast<std::size_t>(i)] - place_m).squaredNorm();
-            if (distance2 < kSamePlace_m * kSamePlace_m)
-              visit(static_cast<std::size_t>(i), distance2);
+            if (distance2 < kSamePlace_m * kSamePlace_m &&
+                is_it(static_cast<std::size_t>(i), distance2)) {
+              return true;
+            }
           }
         }
       }
     }
+    return false;
   }
 
  private:
@@ -302,14 +305,12 @@ void keep_distinct(const PoseVerifier& verifier, Poses& poses, int per_place_n,
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const PoseHypothesis& pose = poses[p];
     int near_n = 0;
-    bool is_known = false;
-    places.for_near(barycentres_m[p], [&](std::size_t i, float distance2) {
-      ++near_n;
-      is_known = is_known ||
-                 (poses[i].part == pose.part && distance2 < same.distance_m * same.distance_m &&
-                  poses[i].R.cwiseProduct(pose.R).sum() > same_trace);
-    });
-    if (is_known || near_n >= per_place_n) continue;
+    const auto leaves_no_room = [&](std::size_t i, float distance2) {
+      return ++near_n >= per_place_n ||
+             (poses[i].part == pose.part && distance2 < same.distance_m * same.distance_m &&
+              poses[i].R.cwiseProduct(pose.R).sum() > same_trace);
+    };
+    if (places.any_near(barycentres_m[p], leaves_no_room)) continue;
     places.add(barycentres_m[p]);
     poses[kept_n++] = poses[p];
   }

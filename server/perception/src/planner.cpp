@@ -14,6 +14,7 @@
 #include "graspd/perception/segmentation.hpp"
 #include "graspd/perception/verified.hpp"
 #include "last_plan.hpp"
+#include "parallel.hpp"
 #include "why_none.hpp"
 
 namespace graspd::perception {
@@ -148,10 +149,18 @@ Scene look(const DepthFrame& frame, const PlanRequest& request, const PartList& 
   return scene;
 }
 
+/// How far the bin lies from where the request says, as far as its walls tell.
+std::optional<BinDrift> drift_of_bin(const DepthFrame& frame, const PlanRequest& request,
+                                     const PreprocessParameters& parameters) {
+  if (!request.bin) return std::nullopt;
+  return find_bin_drift(frame, request.T_base_camera.inverse() * request.bin->T_base_bin,
+                        request.bin->inner_size_m, parameters);
+}
+
 /// A bin that lies elsewhere is warned of.
 /// \returns why there is none to plan in, where nothing of it is seen or it lies too far away.
-std::optional<std::string> misplaced_bin(const DepthFrame& frame, const PlanRequest& request,
-                                         const Scene& scene, const PreprocessParameters& parameters,
+std::optional<std::string> misplaced_bin(const Scene& scene, const std::optional<BinDrift>& drift,
+                                         const PreprocessParameters& parameters,
                                          std::vector<std::string>& warnings) {
   if (scene.funnel.after_passthrough_n == 0) {
     return fmt::format(
@@ -159,10 +168,6 @@ std::optional<std::string> misplaced_bin(const DepthFrame& frame, const PlanRequ
         "T_base_camera, T_base_bin and the intrinsics",
         scene.funnel.readings_n);
   }
-  if (!request.bin) return std::nullopt;
-  const auto drift =
-      find_bin_drift(frame, request.T_base_camera.inverse() * request.bin->T_base_bin,
-                     request.bin->inner_size_m, parameters);
   if (!drift || drift->corner_m <= parameters.bin_drift_warning_m) return std::nullopt;
   if (drift->corner_m > parameters.max_bin_drift_m) return sentence_of(*drift);
   warnings.push_back(sentence_of(*drift));
@@ -232,8 +237,11 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
   PlanAnswer answer;
   StageClock clock(answer.timings);
 
-  Scene scene = look(frame, request, *parts, parameters, answer);
-  const auto nowhere = misplaced_bin(frame, request, scene, parameters.preprocess, answer.warnings);
+  Scene scene;
+  std::optional<BinDrift> drift;
+  parallel_invoke([&] { scene = look(frame, request, *parts, parameters, answer); },
+                  [&] { drift = drift_of_bin(frame, request, parameters.preprocess); });
+  const auto nowhere = misplaced_bin(scene, drift, parameters.preprocess, answer.warnings);
   clock.finished("preprocess");
   if (nowhere) {
     finish(answer, Outcome::kBinNotFound, *nowhere);
