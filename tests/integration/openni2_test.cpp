@@ -12,6 +12,14 @@ using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
+class SteadyClock final : public agent::Clock {
+ public:
+  std::chrono::nanoseconds now() override {
+    return std::chrono::steady_clock::now().time_since_epoch();
+  }
+  void sleep_for(std::chrono::nanoseconds) override {}
+};
+
 class OpenNi2 : public ::testing::Test {
  protected:
   void SetUp() override { misbehave("none"); }
@@ -22,13 +30,13 @@ class OpenNi2 : public ::testing::Test {
     options.camera = {512, 424, 365.5, 365.5, 256, 205, {}};
     return options;
   }
-  static std::unique_ptr<agent::Camera> open(const CameraOptions& options) {
-    auto camera = open_camera(options);
+  std::unique_ptr<agent::Camera> open(const CameraOptions& options) {
+    auto camera = open_camera(options, clock);
     EXPECT_TRUE(camera) << camera.error().message;
     return std::move(camera).value();
   }
-  static Error error_of(const CameraOptions& options) {
-    const auto camera = open_camera(options);
+  Error error_of(const CameraOptions& options) {
+    const auto camera = open_camera(options, clock);
     EXPECT_FALSE(camera);
     return camera ? Error{} : camera.error();
   }
@@ -36,6 +44,8 @@ class OpenNi2 : public ::testing::Test {
   static int number_of(const Result<std::optional<DepthFrame>>& frame) {
     return (*frame)->at(511, 0);
   }
+
+  SteadyClock clock;
 };
 
 TEST_F(OpenNi2, GivesFramesOfTheModeThatWasAskedForMirroredBack) {
@@ -75,6 +85,29 @@ TEST_F(OpenNi2, NoFrameIsOlderThanTheCall) {
     ASSERT_TRUE(frame && *frame);
     EXPECT_GE(number_of(frame), last + 2);
     last = number_of(frame);
+  }
+}
+
+TEST_F(OpenNi2, AFrameIsStampedByWhenItsExposureCanHaveBegunAtTheLatest) {
+  const auto camera = open(kinect_v2());
+  for (int i = 0; i < 3; ++i) {
+    const auto call = clock.now();
+    const auto frame = camera->next();
+    ASSERT_TRUE(frame && *frame);
+    ASSERT_TRUE((*frame)->stamp);
+    EXPECT_GE(*(*frame)->stamp, call);
+    EXPECT_LE(*(*frame)->stamp, clock.now() - 1s / 30);
+  }
+}
+
+TEST_F(OpenNi2, FramesThatArriveAtOnceAreStampedFromBeforeTheCall) {
+  misbehave("eager");
+  const auto camera = open(kinect_v2());
+  for (int i = 0; i < 3; ++i) {
+    const auto call = clock.now();
+    const auto frame = camera->next();
+    ASSERT_TRUE(frame && *frame);
+    EXPECT_LT((*frame)->stamp, call) << "the pick cycle would plan on it";
   }
 }
 
