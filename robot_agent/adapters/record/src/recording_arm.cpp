@@ -23,7 +23,13 @@ Result<RecordingArm> RecordingArm::create(const std::filesystem::path& path,
   return RecordingArm(*std::move(lines));
 }
 
+std::optional<std::string> RecordingArm::why_not(std::span<const agent::Motion> motions) {
+  const auto ok = validate(motions);
+  return ok ? std::nullopt : std::optional(ok.error().message);
+}
+
 Result<void> RecordingArm::move(const agent::Motion& motion) {
+  if (auto ok = validate(motion); !ok) return ok;
   last_step_ = motion.step;
   const Json line = {{"pick", pick_n_},
                      {"step", name_of(motion.step)},

@@ -18,8 +18,9 @@ class FloatingArm final : public Arm {
   void stop() override;
 
  private:
-  Result<void> move_free(const Eigen::Isometry3d& T_base_grasp);
-  Result<void> move_straight(const Eigen::Isometry3d& T_base_grasp, double speed_m_s);
+  Result<void> move_free(const Eigen::Isometry3d& T_base_grasp, double speed_share);
+  Result<void> move_straight(const Eigen::Isometry3d& T_base_grasp, double speed_m_s,
+                             double speed_share);
 
   sim_cell::PhysicsCell& cell_;
   FloatingOptions options_;
