@@ -47,12 +47,6 @@ agent::Task task_of(const BinJob& job) {
   return task;
 }
 
-/// An operator would set the arm going again.
-bool is_stopped_by_resistance(const agent::PickCycle& cycle) {
-  return cycle.state() == agent::State::kStopped &&
-         cycle.reason().find("resistance") != std::string::npos;
-}
-
 /// Knows which part the agent means, and waits for the trace of each pick.
 class Judge final : public agent::Observer {
  public:
@@ -187,7 +181,8 @@ Result<BinRow> empty_bin(const BinJob& job, const simulation::PileMaker& piles,
   };
   BinRow bin;
   bin.parts_n = static_cast<int>(pile->parts.size());
-  for (int resets_n = 0; resets_n <= kMaxResets; ++resets_n) {
+  for (bin.resets_n = 0; true; ++*bin.resets_n) {
+    const int stalls_n = cell.physics().stalls_n();
     agent::PickCycle cycle(ports, task_of(job), judge);
     while (!cycle.is_over()) {
       const agent::State before = cycle.state();
@@ -198,7 +193,11 @@ Result<BinRow> empty_bin(const BinJob& job, const simulation::PileMaker& piles,
     bin.reason = cycle.reason();
     cell.physics().frame();
     report();
-    if (!is_stopped_by_resistance(cycle)) break;
+    // An operator would set the arm going again.
+    const bool is_stalled = cell.physics().stalls_n() > stalls_n;
+    if (!is_stalled || cycle.state() != agent::State::kStopped || *bin.resets_n == kMaxResets) {
+      break;
+    }
   }
   for (const sim_cell::CellPart& one : cell.physics().parts()) bin.placed_n += one.is_taken_away;
   bin.duration_s = seconds(cell.clock().now());

@@ -53,6 +53,7 @@ struct PhysicsCell::Impl {
   bool is_settling = false;
   std::optional<double> paused_at_s;  ///< since then parts wait to move on
   bool is_stalled = false;
+  int stalls_n = 0;
   bool has_closed = false;  ///< the jaws are closed, on something or on nothing
 };
 

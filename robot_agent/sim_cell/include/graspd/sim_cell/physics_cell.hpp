@@ -78,6 +78,8 @@ class PhysicsCell {
   /// \returns INTERNAL where it met more resistance than an arm would push on against: it stands
   /// where that was.
   Result<void> follow(double duration_s, const std::function<RobotPose(double)>& robot_at);
+  /// How many motions ended so.
+  int stalls_n() const;
   /// Returns when the jaws are there, at the drive's speed; kept within the gripper's stroke. What
   /// they held is let go.
   void open(double opening_m);
