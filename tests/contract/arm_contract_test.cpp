@@ -101,11 +101,11 @@ TEST_P(ArmContract, OutOfViewIsWhereItWasBefore) {
 }
 
 TEST_P(ArmContract, StandsAfterAStopAndMovesAgain) {
-  arm().stop();  // before the first motion
+  expect_done(arm().stop());  // before the first motion
   expect_done(arm().move(above));
   EXPECT_EQ(arm().why_not({{down}}), std::nullopt);
-  arm().stop();
-  arm().stop();
+  expect_done(arm().stop());
+  expect_done(arm().stop());
   expect_at(above.T_base_grasp);
   expect_done(arm().move(down));
   expect_at(down.T_base_grasp);

@@ -43,9 +43,10 @@ Result<void> RecordingArm::move_out_of_view() {
   return lines_.add(to_line(line));
 }
 
-void RecordingArm::stop() {
-  // The cycle stops anyway: a file that takes no more has been reported by the order before.
+Result<void> RecordingArm::stop() {
+  // Nothing moves, and a file that takes no more has been reported by the order before.
   static_cast<void>(lines_.add(to_line({{"pick", pick_n_}, {"step", "stop"}})));
+  return {};
 }
 
 Result<void> RecordingArm::open(double opening_width_m) {

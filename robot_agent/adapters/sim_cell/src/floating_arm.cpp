@@ -30,7 +30,7 @@ Result<void> FloatingArm::move(const Motion& motion) {
 
 Result<void> FloatingArm::move_out_of_view() { return move_free(options_.T_base_out_of_view, 1); }
 
-void FloatingArm::stop() {}
+Result<void> FloatingArm::stop() { return {}; }
 
 /// Up, across, and down again.
 Result<void> FloatingArm::move_free(const Eigen::Isometry3d& T_base_grasp, double speed_share) {

@@ -15,7 +15,7 @@ class FloatingArm final : public Arm {
   std::optional<std::string> why_not(std::span<const Motion> motions) override;
   Result<void> move(const Motion& motion) override;
   Result<void> move_out_of_view() override;
-  void stop() override;
+  Result<void> stop() override;
 
  private:
   Result<void> move_free(const Eigen::Isometry3d& T_base_grasp, double speed_share);

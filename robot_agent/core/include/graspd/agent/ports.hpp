@@ -51,7 +51,8 @@ class Arm {
   /// To where the camera sees nothing of the arm.
   virtual Result<void> move_out_of_view() = 0;
   /// Stand still, now, and hold: what is done after any error. The gripper stays as it is.
-  virtual void stop() = 0;
+  /// \returns why it is not known to stand: it may be moving.
+  virtual Result<void> stop() = 0;
 };
 
 /// Parallel jaws, or a cup.

@@ -29,7 +29,7 @@ class RecordingArm final : public agent::Arm, public agent::Gripper {
   std::optional<std::string> why_not(std::span<const agent::Motion> motions) override;
   Result<void> move(const agent::Motion& motion) override;
   Result<void> move_out_of_view() override;
-  void stop() override;
+  Result<void> stop() override;
 
   Result<void> open(double opening_width_m) override;
   Result<void> close() override;
