@@ -30,9 +30,10 @@ struct CameraOptions {
 /// A frame is stamped by when it arrived, less one frame's time: its exposure did not begin later.
 /// How much earlier is not known, since no driver tells how long a frame takes through USB and its
 /// depth computation. OpenNI2's own timestamps are no help: libfreenect2's plug-in counts the
-/// frames it delivers and takes each for 33.369 ms, so that they fall behind with each frame that
-/// is lost. \param clock must outlive the camera. \returns UNAVAILABLE where there is no device, or
-/// none that has this mode.
+/// frames it delivers and takes each for 33.369 ms, so that they fall behind with each lost frame.
+///
+/// \param clock must outlive the camera.
+/// \returns UNAVAILABLE where there is no device, or none that has this mode.
 Result<std::unique_ptr<agent::Camera>> open_camera(const CameraOptions& options,
                                                    agent::Clock& clock);
 
