@@ -181,7 +181,8 @@ Result<BinRow> empty_bin(const BinJob& job, const simulation::PileMaker& piles,
   };
   BinRow bin;
   bin.parts_n = static_cast<int>(pile->parts.size());
-  for (bin.resets_n = 0; true; ++*bin.resets_n) {
+  for (int resets_n = 0;; ++resets_n) {
+    bin.resets_n = resets_n;
     const int stalls_n = cell.physics().stalls_n();
     agent::PickCycle cycle(ports, task_of(job), judge);
     while (!cycle.is_over()) {
@@ -195,9 +196,7 @@ Result<BinRow> empty_bin(const BinJob& job, const simulation::PileMaker& piles,
     report();
     // An operator would set the arm going again.
     const bool is_stalled = cell.physics().stalls_n() > stalls_n;
-    if (!is_stalled || cycle.state() != agent::State::kStopped || *bin.resets_n == kMaxResets) {
-      break;
-    }
+    if (!is_stalled || cycle.state() != agent::State::kStopped || resets_n == kMaxResets) break;
   }
   for (const sim_cell::CellPart& one : cell.physics().parts()) bin.placed_n += one.is_taken_away;
   bin.duration_s = seconds(cell.clock().now());

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "graspd/openni2/openni2_camera.hpp"
+#include "system_clock.hpp"
 
 /// The camera through the real OpenNI2, with a driver of our own in the place of a device's
 /// (tests/support/openni2_driver.cpp).
@@ -11,14 +12,6 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-class SteadyClock final : public agent::Clock {
- public:
-  std::chrono::nanoseconds now() override {
-    return std::chrono::steady_clock::now().time_since_epoch();
-  }
-  void sleep_for(std::chrono::nanoseconds) override {}
-};
 
 class OpenNi2 : public ::testing::Test {
  protected:
@@ -45,7 +38,7 @@ class OpenNi2 : public ::testing::Test {
     return (*frame)->at(511, 0);
   }
 
-  SteadyClock clock;
+  robot_agent::SystemClock clock;
 };
 
 TEST_F(OpenNi2, GivesFramesOfTheModeThatWasAskedForMirroredBack) {
