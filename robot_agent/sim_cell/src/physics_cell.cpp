@@ -108,8 +108,9 @@ DepthFrame PhysicsCell::frame() {
 std::vector<CellPart> PhysicsCell::parts() const {
   std::vector<CellPart> parts;
   for (std::size_t i = 0; i < impl_->parts.size(); ++i) {
+    const bool is_lost = std::ranges::count(impl_->lost, i) > 0;
     parts.push_back({impl_->parts.kind(i), impl_->T_base_bin * impl_->parts.T_bin_part(i),
-                     impl_->parts.is_gone(i)});
+                     impl_->parts.is_gone(i) && !is_lost, is_lost});
   }
   return parts;
 }

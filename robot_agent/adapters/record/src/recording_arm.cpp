@@ -39,6 +39,7 @@ Result<void> RecordingArm::move(const agent::Motion& motion) {
 }
 
 Result<void> RecordingArm::move_out_of_view() {
+  last_step_ = agent::Step::kOutOfView;
   const Json line = {{"pick", pick_n_}, {"step", name_of(agent::Step::kOutOfView)}};
   return lines_.add(to_line(line));
 }
@@ -50,9 +51,9 @@ Result<void> RecordingArm::stop() {
 }
 
 Result<void> RecordingArm::open(double opening_width_m) {
-  // Closed jaws tell nothing: they also stir.
-  const bool is_at_place = last_step_ == agent::Step::kPlace;
-  const agent::Step step = is_at_place ? agent::Step::kRelease : agent::Step::kOpen;
+  // What was placed is let go, and what a stir has caught; else a pick begins.
+  const bool lets_go = last_step_ == agent::Step::kPlace || last_step_ == agent::Step::kStirUp;
+  const agent::Step step = lets_go ? agent::Step::kRelease : agent::Step::kOpen;
   closed_ = false;
   if (step == agent::Step::kOpen) ++pick_n_;
   const Json line = {
