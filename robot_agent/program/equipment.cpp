@@ -24,16 +24,17 @@ MadeCamera make_replay(const CameraConfig& config, const CellFrames& frames, age
 }
 
 /// \param frames with intrinsics: such a camera is calibrated.
-MadeCamera make_device(openni2::CameraOptions options, const CellFrames& frames) {
+MadeCamera make_device(openni2::CameraOptions options, const CellFrames& frames,
+                       agent::Clock& clock) {
   options.camera = *frames.intrinsics;
   options.depth_correction = frames.depth_correction;
-  return openni2::open_camera(options);
+  return openni2::open_camera(options, clock);
 }
 
 Result<void> add_camera(const CameraConfig& config, const CellFrames& frames,
                         Equipment& equipment) {
   auto camera = config.is_recording() ? make_replay(config, frames, *equipment.clock)
-                                      : make_device(config.device, frames);
+                                      : make_device(config.device, frames, *equipment.clock);
   if (!camera) return tl::unexpected(camera.error());
   equipment.camera = *std::move(camera);
   return {};

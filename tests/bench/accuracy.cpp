@@ -35,6 +35,7 @@ struct Options {
   std::vector<std::filesystem::path> meshes;
   std::string mesh_unit = "mm";
   bool is_mixed = false;
+  bool is_absent = false;
   std::string out = "build/bench/accuracy";
   std::string registration;
   int frames_n = 12;
@@ -61,13 +62,10 @@ simulation::SceneOptions scene_of(const Kinds& kinds, int k, const Options& opti
   return scene;
 }
 
-Result<Measured> measure(const Kinds& kinds, const parts::Catalogue& catalogue,
-                         const perception::Parameters& parameters, const Options& options,
-                         Table& records) {
-  const std::string name = kinds.size() == 1 ? kinds.front()->id : "mixed";
-  std::vector<std::string> ids;
-  for (const parts::Part* part : kinds) ids.push_back(part->id);
-  Measured measured;
+/// Calls `visit(k, scene, image)` for each frame.
+template <class Visit>
+Result<void> for_frames(const std::string& name, const Kinds& kinds,
+                        const parts::Catalogue& catalogue, const Options& options, Visit visit) {
   Progress progress(name, static_cast<std::size_t>(options.frames_n));
   for (int k = 0; k < options.frames_n; ++k) {
     const simulation::SceneOptions scene = scene_of(kinds, k, options);
@@ -76,17 +74,72 @@ Result<Measured> measure(const Kinds& kinds, const parts::Catalogue& catalogue,
     auto image = maker->make(k);
     if (!image) return tl::unexpected(image.error());
     image->instance.reset();  // segments are table1's
-    const PlanRequest request = eval::request_for(*image, catalogue, ids);
-    const auto report = eval::evaluate_image(*image, 0, request, catalogue, parameters);
-    if (!report) return fail(report.error().code, "frame {}: {}", k, report.error().message);
+    if (auto ok = visit(k, scene, *image); !ok) {
+      return fail(ok.error().code, "frame {}: {}", k, ok.error().message);
+    }
+    progress.step();
+  }
+  return {};
+}
+
+Result<Measured> measure(const Kinds& kinds, const parts::Catalogue& catalogue,
+                         const perception::Parameters& parameters, const Options& options,
+                         Table& records) {
+  const std::string name = kinds.size() == 1 ? kinds.front()->id : "mixed";
+  std::vector<std::string> ids;
+  for (const parts::Part* part : kinds) ids.push_back(part->id);
+  Measured measured;
+  const auto add = [&](int k, const simulation::SceneOptions& scene,
+                       const BopImage& image) -> Result<void> {
+    const PlanRequest request = eval::request_for(image, catalogue, ids);
+    const auto report = eval::evaluate_image(image, 0, request, catalogue, parameters);
+    if (!report) return tl::unexpected(report.error());
     if (report->poses) {
       add_records(*report->poses, {k, scene}, catalogue, records);
       measured.accuracy += *report->poses;
     }
     measured.times_ms.push_back(report->time_s * 1e3);
-    progress.step();
+    return {};
+  };
+  if (auto ok = for_frames(name, kinds, catalogue, options, add); !ok) {
+    return tl::unexpected(ok.error());
   }
   return measured;
+}
+
+Result<void> write_file(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text << std::flush;
+  if (!file) return invalid("{}: can't be written; is its folder there?", path);
+  return {};
+}
+
+/// Bins of all parts but one, in which that one is looked for: every answer is wrong.
+Result<void> measure_absent(const Kinds& parts, const parts::Catalogue& catalogue,
+                            const perception::Parameters& parameters, const Options& options) {
+  Table table = absent_table();
+  nlohmann::json figures;
+  for (const parts::Part* absent : parts) {
+    Kinds others;
+    for (const parts::Part& part : catalogue.parts()) {
+      if (&part != absent) others.push_back(&part);
+    }
+    std::vector<std::vector<double>> scores;  // of each frame's answers
+    const auto add = [&](int, const simulation::SceneOptions&,
+                         const BopImage& image) -> Result<void> {
+      const PlanRequest request = eval::request_for(image, catalogue, {absent->id});
+      const auto report = eval::evaluate_image(image, 0, request, catalogue, parameters);
+      if (!report) return tl::unexpected(report.error());
+      auto& of_frame = scores.emplace_back();
+      for (const Object& object : report->answer.objects) of_frame.push_back(object.score);
+      return {};
+    };
+    if (auto ok = for_frames(absent->id, others, catalogue, options, add); !ok) return ok;
+    table.add(absent_row(absent->id, scores));
+    add_absent_figures(absent->id, scores, figures);
+  }
+  std::cout << table.to_markdown();
+  return write_file(options.out + ".json", figures.dump(2) + "\n");
 }
 
 Result<parts::Catalogue> load_parts(const Options& options) {
@@ -135,13 +188,6 @@ std::vector<Kinds> piles_of(const Kinds& parts, bool is_mixed) {
   return piles;
 }
 
-Result<void> write_file(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text << std::flush;
-  if (!file) return invalid("{}: can't be written; is its folder there?", path);
-  return {};
-}
-
 /// Frames that parameters were chosen on measure nothing.
 Result<void> check_seeds(const Options& options) {
   if (options.seed >= 1 && options.seed + options.frames_n <= kFirstTuningSeed) return {};
@@ -159,6 +205,7 @@ Result<void> run(const Options& options) {
   if (!parameters) return tl::unexpected(parameters.error());
   const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
 
+  if (options.is_absent) return measure_absent(*parts, *catalogue, *parameters, options);
   Table table = accuracy_table();
   Table records = record_table();
   nlohmann::json figures;
@@ -202,6 +249,9 @@ int main(int count, char** words) {
         ->excludes(part);
     app.add_option("--mesh-unit", options.mesh_unit, "of the meshes")->capture_default_str();
     app.add_flag("--mixed", options.is_mixed, "all parts together in each frame");
+    app.add_flag("--absent", options.is_absent,
+                 "look for each part in bins that hold all others but not this one")
+        ->excludes("--mixed");
     app.add_option("--registration", options.registration,
                    "method (default: the planner's own default)");
     app.add_option("--frames", options.frames_n, "of each part, or mixed ones")

@@ -77,6 +77,56 @@ void add_targets(const std::vector<const parts::Part*>& parts, nlohmann::json& f
   figures["frame_ms_1core"] = figures["all.frame_ms_1core"];
 }
 
+namespace {
+
+/// Of answers to frames that do not show what was looked for.
+struct FalseAnswers {
+  std::size_t frames_n = 0;  ///< with any
+  std::size_t answers_n = 0, likely_n = 0;
+  double highest = 0;  ///< of their scores
+};
+/// As probable as not.
+constexpr double kLikely = 0.5;
+
+FalseAnswers count(const std::vector<std::vector<double>>& scores) {
+  FalseAnswers result;
+  for (const auto& of_frame : scores) {
+    result.frames_n += !of_frame.empty();
+    result.answers_n += of_frame.size();
+    for (const double score : of_frame) {
+      result.likely_n += score >= kLikely;
+      result.highest = std::max(result.highest, score);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Table absent_table() {
+  return Table({"absent", "frames", "with answers", "answers", "scored 0.5 or more", "highest"});
+}
+
+std::vector<std::string> absent_row(const std::string& name,
+                                    const std::vector<std::vector<double>>& scores) {
+  const FalseAnswers found = count(scores);
+  return {name,
+          std::to_string(scores.size()),
+          std::to_string(found.frames_n),
+          std::to_string(found.answers_n),
+          std::to_string(found.likely_n),
+          found.answers_n == 0 ? "–" : fmt::format("{:.2f}", found.highest)};
+}
+
+void add_absent_figures(const std::string& name, const std::vector<std::vector<double>>& scores,
+                        nlohmann::json& figures) {
+  const FalseAnswers found = count(scores);
+  figures[name + ".frames"] = scores.size();
+  figures[name + ".answers"] = found.answers_n;
+  figures[name + ".likely_answers"] = found.likely_n;
+  figures[name + ".score_max"] = found.highest;
+}
+
 nlohmann::json plot_of(const parts::Part& part, const eval::PoseAccuracy& accuracy) {
   nlohmann::json plot{{"part", part.id},
                       {"color_rgb", part.color_rgb},

@@ -40,6 +40,14 @@ void add_figures(const std::string& name, const Measured& measured, nlohmann::js
 /// of each part and of "all".
 void add_targets(const std::vector<const parts::Part*>& parts, nlohmann::json& figures);
 
+/// Of frames in which a part is looked for that is not there.
+/// \param scores of each frame's answers.
+Table absent_table();
+std::vector<std::string> absent_row(const std::string& name,
+                                    const std::vector<std::vector<double>>& scores);
+void add_absent_figures(const std::string& name, const std::vector<std::vector<double>>& scores,
+                        nlohmann::json& figures);
+
 /// What accuracy_plots.py draws of a part.
 nlohmann::json plot_of(const parts::Part& part, const eval::PoseAccuracy& accuracy);
 

@@ -18,7 +18,11 @@ namespace {
 constexpr const char* kPicksHeader =
     "pipeline,part,seed,pick,verdict,others_moved_mm,planning_s,cpu_s,score,room_mm,why\n";
 constexpr const char* kBinsHeader =
+    "pipeline,part,seed,commit,parts,placed,duration_s,planning_s,wall_s,resets,reason\n";
+/// As it was before resets were counted.
+constexpr const char* kOldBinsHeader =
     "pipeline,part,seed,commit,parts,placed,duration_s,planning_s,wall_s,reason\n";
+constexpr std::size_t kResets = 9;  ///< its column
 
 std::string line_of(const BinKey& key, const PickRow& row) {
   return fmt::format("{},{},{},{},{},{:.2f},{:.4f},{:.3f},{:.3f},{:.0f},{}\n", key.pipeline,
@@ -27,9 +31,10 @@ std::string line_of(const BinKey& key, const PickRow& row) {
 }
 
 std::string line_of(const BinKey& key, const BinRow& row) {
-  return fmt::format("{},{},{},{},{},{},{:.3f},{:.3f},{:.2f},{}\n", key.pipeline, key.part,
+  return fmt::format("{},{},{},{},{},{},{:.3f},{:.3f},{:.2f},{},{}\n", key.pipeline, key.part,
                      key.seed, row.commit, row.parts_n, row.placed_n, row.duration_s,
-                     row.planning_s, row.wall_s, row.reason);
+                     row.planning_s, row.wall_s, row.resets_n ? fmt::to_string(*row.resets_n) : "",
+                     row.reason);
 }
 
 void append(const std::filesystem::path& path, const std::string& text, bool truncate = false) {
@@ -65,6 +70,14 @@ std::string header_of(const std::filesystem::path& path) {
   std::ifstream file(path);
   std::string line;
   return std::getline(file, line) ? line + "\n" : "";
+}
+
+/// Of bins: rows from before resets were counted have an empty column for them.
+std::vector<std::vector<std::string>> bin_rows_of(const std::filesystem::path& path) {
+  auto rows = rows_of(path);
+  if (header_of(path) != kOldBinsHeader) return rows;
+  for (auto& row : rows) row.insert(row.begin() + kResets, "");
+  return rows;
 }
 
 BinKey key_of(const std::vector<std::string>& row) { return {row[0], row[1], std::stoi(row[2])}; }
@@ -133,19 +146,22 @@ void CellLog::read() {
   for (const auto& [path, header] :
        {std::pair(bins_path_, kBinsHeader), {picks_path_, kPicksHeader}}) {
     const std::string found = header_of(path);
-    if (found.empty() || found == header) continue;
+    const bool is_old = header == kBinsHeader && found == kOldBinsHeader;
+    if (found.empty() || found == header || is_old) continue;
     throw std::runtime_error(path.string() +
                              ": has other columns than this program's; move it away, or begin anew "
                              "with --fresh");
   }
-  for (const auto& row : rows_of(bins_path_)) {
+  for (const auto& row : bin_rows_of(bins_path_)) {
+    const std::string& resets = row[kResets];
     at(key_of(row)).bin = {row[3],
                            std::stoi(row[4]),
                            std::stoi(row[5]),
                            std::stod(row[6]),
                            std::stod(row[7]),
                            std::stod(row[8]),
-                           row[9]};
+                           resets.empty() ? std::nullopt : std::optional(std::stoi(resets)),
+                           row[10]};
     done_.push_back(key_of(row));
   }
   for (const auto& row : rows_of(picks_path_)) {

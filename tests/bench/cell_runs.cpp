@@ -47,12 +47,6 @@ agent::Task task_of(const BinJob& job) {
   return task;
 }
 
-/// An operator would set the arm going again.
-bool is_stopped_by_resistance(const agent::PickCycle& cycle) {
-  return cycle.state() == agent::State::kStopped &&
-         cycle.reason().find("resistance") != std::string::npos;
-}
-
 /// Knows which part the agent means, and waits for the trace of each pick.
 class Judge final : public agent::Observer {
  public:
@@ -107,7 +101,10 @@ class Judge final : public agent::Observer {
   /// What the plan's objects say of a part: by how much the nearest one's pose is off.
   std::string known_of(std::size_t part) const {
     double least_m = part_.diameter_m / 2;
-    std::string known = fmt::format("part {} not found", part);
+    const Eigen::Vector3d p_mm =
+        1e3 * (cell_.options().bin.T_base_bin.inverse() * parts_[part].T_base_part).translation();
+    std::string known = fmt::format("part {} at ({:.0f} {:.0f} {:.0f}) mm not found", part,
+                                    p_mm.x(), p_mm.y(), p_mm.z());
     for (const Object& object : objects_) {
       const double error_m = eval::mssd_m(part_, object.T_base_part, parts_[part].T_base_part);
       if (error_m >= least_m) continue;
@@ -187,7 +184,9 @@ Result<BinRow> empty_bin(const BinJob& job, const simulation::PileMaker& piles,
   };
   BinRow bin;
   bin.parts_n = static_cast<int>(pile->parts.size());
-  for (int resets_n = 0; resets_n <= kMaxResets; ++resets_n) {
+  for (int resets_n = 0;; ++resets_n) {
+    bin.resets_n = resets_n;
+    const int stalls_n = cell.physics().stalls_n();
     agent::PickCycle cycle(ports, task_of(job), judge);
     while (!cycle.is_over()) {
       const agent::State before = cycle.state();
@@ -198,9 +197,11 @@ Result<BinRow> empty_bin(const BinJob& job, const simulation::PileMaker& piles,
     bin.reason = cycle.reason();
     cell.physics().frame();
     report();
-    if (!is_stopped_by_resistance(cycle)) break;
+    // An operator would set the arm going again.
+    const bool is_stalled = cell.physics().stalls_n() > stalls_n;
+    if (!is_stalled || cycle.state() != agent::State::kStopped || resets_n == kMaxResets) break;
   }
-  for (const sim_cell::CellPart& one : cell.physics().parts()) bin.placed_n += one.is_taken_away;
+  for (const sim_cell::CellPart& one : cell.physics().parts()) bin.placed_n += one.is_placed;
   bin.duration_s = seconds(cell.clock().now());
   bin.planning_s = judge.planning_s;
   bin.wall_s = seconds(std::chrono::steady_clock::now() - wall_start);

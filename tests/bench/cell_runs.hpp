@@ -48,6 +48,8 @@ struct BinRow {
   double duration_s = 0;  ///< simulated motion and measured planning
   double planning_s = 0;
   double wall_s = 0;
+  /// How often the arm was set going again after it had met resistance; not known of older rows.
+  std::optional<int> resets_n;
   std::string reason;  ///< why the agent ended
 };
 

@@ -4,15 +4,19 @@
 #include <functional>
 
 #include "fake_clock.hpp"
+#include "graspd/agent/averaging_camera.hpp"
 #include "graspd/formats/bop.hpp"
 #include "graspd/openni2/openni2_camera.hpp"
 #include "graspd/recordings/rawlog.hpp"
 #include "graspd/replay/replay_camera.hpp"
+#include "graspd/simulated/sim_cell.hpp"
 #include "named.hpp"
+#include "scripted_cell.hpp"
 #include "temporary_folder.hpp"
 
-/// What every camera must do, recorded or real: `camera_contract_test.cpp` goes on with what only
-/// recordings must. Another camera is a function that opens it, and its line in `kCameras`.
+/// What every camera must do, recorded, simulated or real: `camera_contract_test.cpp` goes on with
+/// what only recordings must. Another camera is a function that opens it, and its line in
+/// `kBreakableCameras` or `kUnbreakableCameras`.
 namespace graspd::agent {
 namespace {
 
@@ -32,14 +36,19 @@ DepthFrame recorded_frame() {
 /// Where a camera lives while it is tested.
 struct Scene {
   testing::TemporaryFolder folder;
-  fakes::FakeClock clock;
+  fakes::FakeClock fake_clock;
+  std::vector<parts::Mesh> kinds;
+  std::unique_ptr<SimCell> cell;
+
+  /// What frames are stamped by.
+  Clock& clock() { return cell ? cell->clock() : fake_clock; }
 };
 /// \param breaks after `kFrames` frames.
-using Open = std::function<std::unique_ptr<Camera>(Scene&, bool breaks)>;
+using Open = std::function<std::shared_ptr<Camera>(Scene&, bool breaks)>;
 
 std::unique_ptr<Camera> replay_of(replay::RecordingKind kind, const std::filesystem::path& path,
                                   Scene& scene) {
-  return replay::open_recording(kind, path, {.intrinsics = kCamera}, scene.clock).value();
+  return replay::open_recording(kind, path, {.intrinsics = kCamera}, scene.fake_clock).value();
 }
 
 std::unique_ptr<Camera> open_bop(Scene& scene, bool breaks) {
@@ -69,20 +78,35 @@ std::unique_ptr<Camera> open_rawlog(Scene& scene, bool breaks) {
   return replay_of(replay::RecordingKind::kRawlog, path, scene);
 }
 
-std::unique_ptr<Camera> open_openni2(Scene&, bool breaks) {
+std::unique_ptr<Camera> open_openni2(Scene& scene, bool breaks) {
   setenv("GRASPD_CAMERA", breaks ? "dies" : "none", 1);
   openni2::CameraOptions options;
   options.camera = kCamera;
   options.timeout = 500ms;
-  return openni2::open_camera(options).value();
+  return openni2::open_camera(options, scene.fake_clock).value();
+}
+
+std::unique_ptr<Camera> open_averaging(Scene& scene, bool breaks) {
+  return std::make_unique<AveragingCamera>(open_openni2(scene, breaks), 2);
+}
+
+std::shared_ptr<Camera> open_simulated(Scene& scene, bool /*never*/) {
+  sim_cell::PhysicsCellOptions options = testing::scripted_options();
+  options.sensor.camera = kCamera;
+  scene.cell = SimCell::create(scene.kinds, {}, options, FloatingOptions()).value();
+  return {std::shared_ptr<void>(), &scene.cell->camera()};
 }
 
 using NamedCamera = testing::Named<Open>;
 
-const NamedCamera kCameras[] = {
+const NamedCamera kBreakableCameras[] = {
     {"bop", open_bop},
     {"rawlog", open_rawlog},
     {"openni2", open_openni2},
+    {"averaging", open_averaging},
+};
+const NamedCamera kUnbreakableCameras[] = {
+    {"simulated", open_simulated},
 };
 
 class EveryCamera : public ::testing::TestWithParam<NamedCamera> {
@@ -111,7 +135,25 @@ TEST_P(EveryCamera, GivesTheIntrinsicsItWasCalibratedTo) {
   EXPECT_EQ((*frame)->camera.distortion, kCamera.distortion);
 }
 
-TEST_P(EveryCamera, ABrokenOneSaysSoAgainAndAgain) {
+/// A frame from before the arm's last motion is known by nothing else.
+TEST_P(EveryCamera, StampsByTheCellsClockOrNotAtAll) {
+  const auto camera = GetParam().make(scene, false);
+  std::optional<std::chrono::nanoseconds> last;
+  for (std::uint64_t i = 0; i < kFrames; ++i) {
+    const auto frame = camera->next();
+    ASSERT_TRUE(frame && *frame);
+    const auto stamp = (*frame)->stamp;
+    if (!stamp) continue;
+    EXPECT_LE(*stamp, scene.clock().now()) << "it was not yet exposed";
+    EXPECT_GT(*stamp, scene.clock().now() - 1s) << "another clock's";
+    EXPECT_GE(*stamp, last.value_or(*stamp));
+    last = stamp;
+  }
+}
+
+class BreakableCamera : public EveryCamera {};
+
+TEST_P(BreakableCamera, OnceBrokenSaysSoAgainAndAgain) {
   const auto camera = GetParam().make(scene, true);
   for (std::uint64_t i = 0; i < kFrames; ++i) {
     if (!camera->next()) break;  // a real one may have had frames that nobody asked for
@@ -123,8 +165,13 @@ TEST_P(EveryCamera, ABrokenOneSaysSoAgainAndAgain) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Cameras, EveryCamera, ::testing::ValuesIn(kCameras),
-                         [](const auto& tested) { return tested.param.name; });
+const auto name_of_camera = [](const auto& tested) { return tested.param.name; };
+INSTANTIATE_TEST_SUITE_P(Breakable, EveryCamera, ::testing::ValuesIn(kBreakableCameras),
+                         name_of_camera);
+INSTANTIATE_TEST_SUITE_P(Unbreakable, EveryCamera, ::testing::ValuesIn(kUnbreakableCameras),
+                         name_of_camera);
+INSTANTIATE_TEST_SUITE_P(Cameras, BreakableCamera, ::testing::ValuesIn(kBreakableCameras),
+                         name_of_camera);
 
 }  // namespace
 }  // namespace graspd::agent

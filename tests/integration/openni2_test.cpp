@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "graspd/openni2/openni2_camera.hpp"
+#include "system_clock.hpp"
 
 /// The camera through the real OpenNI2, with a driver of our own in the place of a device's
 /// (tests/support/openni2_driver.cpp).
@@ -22,13 +23,13 @@ class OpenNi2 : public ::testing::Test {
     options.camera = {512, 424, 365.5, 365.5, 256, 205, {}};
     return options;
   }
-  static std::unique_ptr<agent::Camera> open(const CameraOptions& options) {
-    auto camera = open_camera(options);
+  std::unique_ptr<agent::Camera> open(const CameraOptions& options) {
+    auto camera = open_camera(options, clock);
     EXPECT_TRUE(camera) << camera.error().message;
     return std::move(camera).value();
   }
-  static Error error_of(const CameraOptions& options) {
-    const auto camera = open_camera(options);
+  Error error_of(const CameraOptions& options) {
+    const auto camera = open_camera(options, clock);
     EXPECT_FALSE(camera);
     return camera ? Error{} : camera.error();
   }
@@ -36,6 +37,8 @@ class OpenNi2 : public ::testing::Test {
   static int number_of(const Result<std::optional<DepthFrame>>& frame) {
     return (*frame)->at(511, 0);
   }
+
+  robot_agent::SystemClock clock;
 };
 
 TEST_F(OpenNi2, GivesFramesOfTheModeThatWasAskedForMirroredBack) {
@@ -75,6 +78,29 @@ TEST_F(OpenNi2, NoFrameIsOlderThanTheCall) {
     ASSERT_TRUE(frame && *frame);
     EXPECT_GE(number_of(frame), last + 2);
     last = number_of(frame);
+  }
+}
+
+TEST_F(OpenNi2, AFrameIsStampedByWhenItsExposureCanHaveBegunAtTheLatest) {
+  const auto camera = open(kinect_v2());
+  for (int i = 0; i < 3; ++i) {
+    const auto call = clock.now();
+    const auto frame = camera->next();
+    ASSERT_TRUE(frame && *frame);
+    ASSERT_TRUE((*frame)->stamp);
+    EXPECT_GE(*(*frame)->stamp, call);
+    EXPECT_LE(*(*frame)->stamp, clock.now() - 1s / 30);
+  }
+}
+
+TEST_F(OpenNi2, FramesThatArriveAtOnceAreStampedFromBeforeTheCall) {
+  misbehave("eager");
+  const auto camera = open(kinect_v2());
+  for (int i = 0; i < 3; ++i) {
+    const auto call = clock.now();
+    const auto frame = camera->next();
+    ASSERT_TRUE(frame && *frame);
+    EXPECT_LT((*frame)->stamp, call) << "the pick cycle would plan on it";
   }
 }
 

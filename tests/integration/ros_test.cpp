@@ -82,6 +82,17 @@ TEST_F(RosDriver, WhereStatesEndTheArmIsToldToStopAndItIsSaidThatNobodySawIt) {
   EXPECT_EQ(arm.stops_n(), 1);
 }
 
+TEST_F(RosDriver, AStopThatNobodySawIsAnError) {
+  const auto driver = connect_driver();
+  EXPECT_TRUE(driver->stop());
+  arm.fall_silent_in_motion();
+  arm.ignore_stops();
+  static_cast<void>(error_of_motion(*driver, 0.3));
+  const auto stopped = driver->stop();
+  ASSERT_FALSE(stopped);
+  EXPECT_THAT(stopped.error().message, HasSubstr("not seen to stand"));
+}
+
 TEST_F(RosDriver, AStopEndsAMotionThatFellSilent) {
   const auto driver = connect_driver();
   arm.fall_silent_in_motion();

@@ -196,8 +196,16 @@ TEST_F(SimpleMessage, AfterAnEmergencyStopIsReleasedTheArmMovesAgain) {
 
 TEST_F(SimpleMessage, StopsOnDemand) {
   const auto driver = connect_driver();
-  driver->stop();
+  EXPECT_TRUE(driver->stop());
   EXPECT_EQ(controller.stops_n(), 1);
+}
+
+TEST_F(SimpleMessage, AStopOnDemandThatIsNotConfirmedIsSaid) {
+  const auto driver = connect_driver();
+  controller.answer_stops(StopAnswer::kRefuses);
+  const auto stopped = driver->stop();
+  ASSERT_FALSE(stopped);
+  EXPECT_THAT(stopped.error().message, HasSubstr("refused to stop"));
 }
 
 TEST_F(SimpleMessage, AControllerThatIsNotThereIsNamed) {

@@ -8,7 +8,8 @@
 #include <thread>
 
 /// A depth camera for OpenNI2 that is none: the library loads it as it loads a real one's driver.
-/// GRASPD_CAMERA says what it does wrong: none, absent, vga_only, wrong_size, silent, dies.
+/// GRASPD_CAMERA says what it does wrong: none, absent, vga_only, wrong_size, silent, dies, or
+/// eager: a frame is ready whenever one is asked for, as with OpenNI2's own driver of recordings.
 ///
 /// The pixel in column u reads 600 + u mm, but for the first one, which counts the frames.
 namespace {
@@ -32,7 +33,7 @@ class Stream final : public StreamBase {
 
   OniStatus start() override {
     runs_ = fault() != "silent";
-    thread_ = std::thread([this] { run(); });
+    if (fault() != "eager") thread_ = std::thread([this] { run(); });
     return ONI_STATUS_OK;
   }
   void stop() override {
@@ -55,16 +56,8 @@ class Stream final : public StreamBase {
     return ONI_STATUS_OK;
   }
 
- private:
-  void run() {
-    for (int number = 1; runs_; ++number) {
-      if (fault() == "dies" && number > 4) return;
-      give(number);
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-  }
-
-  void give(int number) {
+  void give() {
+    const int number = ++given_n_;
     OniFrame* frame = getServices().acquireFrame();
     if (frame == nullptr) return;
     const int height_px = fault() == "wrong_size" ? mode_.resolutionY / 2 : mode_.resolutionY;
@@ -86,8 +79,17 @@ class Stream final : public StreamBase {
     getServices().releaseFrame(frame);
   }
 
+ private:
+  void run() {
+    while (runs_ && !(fault() == "dies" && given_n_ == 4)) {
+      give();
+      std::this_thread::sleep_for(std::chrono::microseconds(33333));
+    }
+  }
+
   OniVideoMode mode_ = mode(640, 480);  // as the Kinect v2's own driver starts
   std::atomic<bool> runs_ = false;
+  int given_n_ = 0;
   std::thread thread_;
 };
 
@@ -102,13 +104,23 @@ class Device final : public DeviceBase {
     return ONI_STATUS_OK;
   }
   StreamBase* createStream(OniSensorType sensor) override {
-    return sensor == ONI_SENSOR_DEPTH ? new Stream : nullptr;
+    if (sensor != ONI_SENSOR_DEPTH) return nullptr;
+    return stream_ = new Stream;
   }
-  void destroyStream(StreamBase* stream) override { delete stream; }
+  void destroyStream(StreamBase* stream) override {
+    delete stream;
+    stream_ = nullptr;
+  }
+  /// OpenNI2 asks so whenever somebody waits.
+  OniStatus tryManualTrigger() override {
+    if (fault() == "eager" && stream_ != nullptr) stream_->give();
+    return ONI_STATUS_OK;
+  }
 
  private:
   OniVideoMode modes_[2] = {mode(640, 480), mode(512, 424)};
   OniSensorInfo sensor_{ONI_SENSOR_DEPTH, 2, modes_};
+  Stream* stream_ = nullptr;
 };
 
 class Driver final : public DriverBase {

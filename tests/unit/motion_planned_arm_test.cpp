@@ -26,7 +26,11 @@ class ScriptedDriver final : public agent::JointDriver {
     at_rad = trajectory.back().q_rad;
     return {};
   }
-  void stop() override { ++stops_n; }
+  Result<void> stop() override {
+    ++stops_n;
+    if (away) return fail(Code::kUnavailable, "no answer");
+    return {};
+  }
 
   agent::Joints at_rad;
   bool away = false;
@@ -136,8 +140,10 @@ TEST_F(Arm, BeyondItsLimitsItDoesNotClearTheViewEither) {
 
 TEST_F(Arm, StopsItsController) {
   EXPECT_EQ(arm->why_not(pick.all()), std::nullopt);
-  arm->stop();
+  EXPECT_TRUE(arm->stop());
   EXPECT_EQ(driver.stops_n, 1);
+  driver.away = true;
+  EXPECT_FALSE(arm->stop()) << "it may be moving";
 }
 
 TEST_F(Arm, APlaceOutOfViewThatIsNoneIsRefused) {

@@ -201,6 +201,16 @@ TEST_F(PickCycleTest, ACameraThatFailsStopsTheCycle) {
   EXPECT_THAT(records, SizeIs(1));
 }
 
+TEST_F(PickCycleTest, AnArmThatCannotBeStoppedIsSaid) {
+  script({planned()});
+  camera.script.push_back(invalid("the camera is gone"));
+  robot.can_be_stopped = false;
+  EXPECT_EQ(run().back(), "STOPPED");
+  EXPECT_THAT(reason,
+              testing::AllOf(testing::StartsWith("camera: the camera is gone"),
+                             HasSubstr("no answer for 1 s"), HasSubstr("use the emergency stop")));
+}
+
 TEST_F(PickCycleTest, AFrameThatSaysNothingIsNotSentAndTriedAgain) {
   camera.script.emplace_back(fakes::frame_of(0));
   script({planned()});

@@ -79,7 +79,11 @@ class FakeRobot final : public Arm, public Gripper {
     return told(std::string(name_of(motion.step)));
   }
   Result<void> move_out_of_view() override { return told("out_of_view"); }
-  void stop() override { told_all.push_back("stop"); }
+  Result<void> stop() override {
+    told_all.push_back("stop");
+    if (!can_be_stopped) return fail(Code::kUnavailable, "no answer for 1 s");
+    return {};
+  }
   Result<void> open(double opening_width_m) override {
     closed_ = false;
     return told(fmt::format("open {:.3f}", opening_width_m));
@@ -107,6 +111,7 @@ class FakeRobot final : public Arm, public Gripper {
     return held_;
   }
 
+  bool can_be_stopped = true;
   Surroundings surroundings;
   bool knew_surroundings = false;  ///< when it was last asked for a way
   double reach_m = 10;

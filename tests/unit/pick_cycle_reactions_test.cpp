@@ -83,16 +83,35 @@ TEST_P(ReactionsTest, AskGoesOnOrStopsAsTheOperatorSays) {
 
 TEST_P(ReactionsTest, StirTakesTheClosedGripperThroughThePileAndLooksAgain) {
   set(Reaction::kStir);
+  robot.holds = {false};
   script({no_grasp(), planned()});
   EXPECT_THAT(run(), ElementsAre("CLEAR_VIEW", "ACQUIRE", "PLAN", "STIR", "CLEAR_VIEW", "ACQUIRE",
                                  "PLAN", "PICK", "PLACE", "CLEAR_VIEW", "ACQUIRE", "DONE"))
       << reason;
-  const std::vector<std::string> first(robot.told_all.begin(), robot.told_all.begin() + 7);
+  const std::vector<std::string> first(robot.told_all.begin(), robot.told_all.begin() + 8);
   EXPECT_THAT(first, ElementsAre("out_of_view", "close", "stir_above", "stir_down", "stir_across",
-                                 "stir_up", "out_of_view"));
-  EXPECT_EQ(records[0].stir, 500ms);
+                                 "stir_up", "holds?", "out_of_view"));
+  EXPECT_EQ(records[0].stir, 600ms);
   EXPECT_EQ(records[0].clear_view, 100ms);
   EXPECT_THAT(clock.sleeps, IsEmpty());
+}
+
+TEST_P(ReactionsTest, APartThatAStirCaughtGoesBackIntoTheBin) {
+  set(Reaction::kStir);
+  task.request.gripper.max_opening_m = 0.07;
+  robot.holds = {true, true};  // after the stir, then the part that is picked
+  script({no_grasp(), planned()});
+  EXPECT_EQ(run().back(), "DONE") << reason;
+  const std::vector<std::string> last(robot.told_all.begin() + 5, robot.told_all.begin() + 10);
+  EXPECT_THAT(last, ElementsAre("stir_up", "holds?", "open 0.070", "holds?", "out_of_view"));
+}
+
+TEST_P(ReactionsTest, APartThatAStirCaughtAndThatSticksStopsTheCell) {
+  set(Reaction::kStir);
+  robot.readings = std::deque<bool>(6, true);
+  script({no_grasp(), planned()});
+  EXPECT_EQ(run().back(), "STOPPED");
+  EXPECT_THAT(reason, HasSubstr("opened twice and still holds something"));
 }
 
 TEST_P(ReactionsTest, StirIsBoundedAndThenStops) {

@@ -60,10 +60,13 @@ TEST_F(RecordsTest, TheArmWritesDownTheFramesAndThenWhatItIsTold) {
   EXPECT_EQ(lines.at(2).at("opening_width_m"), 0.044);
 }
 
-TEST_F(RecordsTest, AfterTheClosedGripperStirredAPickStillBeginsByOpeningIt) {
+TEST_F(RecordsTest, AfterTheGripperStirredItLetsGoAndThenAPickBeginsByOpeningIt) {
   auto arm = RecordingArm::create(arm_path(), {}).value();
   ASSERT_TRUE(arm.close());
   ASSERT_TRUE(arm.move({.step = agent::Step::kStirUp}));
+  ASSERT_TRUE(arm.open(0.08));
+  EXPECT_EQ(read_lines(arm_path()).back().at("step"), "release");
+  ASSERT_TRUE(arm.move_out_of_view());
   ASSERT_TRUE(arm.open(0.04));
   EXPECT_EQ(read_lines(arm_path()).back().at("step"), "open");
   EXPECT_EQ(read_lines(arm_path()).back().at("pick"), 1);

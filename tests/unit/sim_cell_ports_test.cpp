@@ -60,6 +60,7 @@ TEST_F(SimCellPortsTest, AnArmThatMeetsTheTableStopsThere) {
   const auto done = go(q_rad);
   ASSERT_FALSE(done);
   EXPECT_THAT(done.error().message, HasSubstr("against table"));
+  EXPECT_EQ(cell->physics().stalls_n(), 1);
   const Joints stopped_rad = *cell->joint_driver().joints();
   EXPECT_GT(stopped_rad[1], -1.9);
   cell->physics().frame();
@@ -67,6 +68,7 @@ TEST_F(SimCellPortsTest, AnArmThatMeetsTheTableStopsThere) {
   EXPECT_EQ(judged.verdict, sim_cell::PickVerdict::kCollision);
   EXPECT_THAT(judged.why, HasSubstr("table"));
   EXPECT_TRUE(go(beside_rad)) << "it comes free";
+  EXPECT_EQ(cell->physics().stalls_n(), 1);
 }
 
 TEST_F(SimCellPortsTest, TimeIsTheMotionsAndThePlans) {

@@ -113,8 +113,9 @@ TEST(PickVerdictTest, Success) {
   const JudgedPick judged = scripted.judged(0);
   EXPECT_EQ(judged.verdict, PickVerdict::kSuccess) << judged.why;
   EXPECT_EQ(judged.others_moved_m, 0);
-  EXPECT_TRUE(scripted.cell->parts()[0].is_taken_away);
-  EXPECT_FALSE(scripted.cell->parts()[1].is_taken_away);
+  EXPECT_TRUE(scripted.cell->parts()[0].is_placed);
+  EXPECT_FALSE(scripted.cell->parts()[0].is_lost);
+  EXPECT_FALSE(scripted.cell->parts()[1].is_placed);
 }
 
 TEST(PickVerdictTest, Missed) {
@@ -135,6 +136,9 @@ TEST(PickVerdictTest, DroppedBesideThePlaceBox) {
   ScriptedCell scripted = two_boxes(kAside);
   scripted.pick(down_at(0, 0, 0.01), kWide_m, down_at(0.4, 0.3, 0.06));
   EXPECT_EQ(scripted.judged(0).verdict, PickVerdict::kDropped);
+  EXPECT_TRUE(scripted.cell->parts()[0].is_lost);
+  EXPECT_FALSE(scripted.cell->parts()[0].is_placed);
+  EXPECT_FALSE(scripted.cell->parts()[1].is_lost);
 }
 
 TEST(PickVerdictTest, DoubleWhereAnotherLiesOnIt) {

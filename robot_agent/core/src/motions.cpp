@@ -1,6 +1,35 @@
 #include "graspd/agent/motions.hpp"
 
+#include <cmath>
+
 namespace graspd::agent {
+
+Result<void> validate(const Motion& motion) {
+  const auto step = name_of(motion.step);
+  const Eigen::Matrix3d R = motion.T_base_grasp.linear();
+  if (!motion.T_base_grasp.matrix().allFinite() || !R.isUnitary(1e-4) || R.determinant() < 0) {
+    return invalid(
+        "{}: where the gripper is to go is no pose: numbers that are not finite, or no "
+        "rotation",
+        step);
+  }
+  if (!(motion.speed_share > 0 && motion.speed_share <= 1)) {
+    return invalid("{}: a share of {} of the speed; give one above 0 and at most 1", step,
+                   motion.speed_share);
+  }
+  if (!(motion.opening_width_m >= 0 && std::isfinite(motion.opening_width_m))) {
+    return invalid("{}: jaws that are {} m apart; give a width from 0 up", step,
+                   motion.opening_width_m);
+  }
+  return {};
+}
+
+Result<void> validate(std::span<const Motion> motions) {
+  for (const Motion& motion : motions) {
+    if (auto ok = validate(motion); !ok) return ok;
+  }
+  return {};
+}
 
 PickMotions pick_motions(const Grasp& grasp, const Eigen::Isometry3d& T_base_place) {
   const Eigen::Isometry3d& T_base_grasp = grasp.T_base_grasp;

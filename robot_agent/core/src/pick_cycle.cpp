@@ -158,8 +158,13 @@ bool PickCycle::has_given_up() {
 
 /// Stops the arm, and says why in `reason_` and the record.
 Event PickCycle::fault(const std::string& what) {
-  ports_.arm.stop();
+  const auto stopped = ports_.arm.stop();
   reason_ = what;
+  if (!stopped) {
+    reason_ +=
+        fmt::format("; the arm could not be stopped ({}): it may be moving, use the emergency stop",
+                    stopped.error().message);
+  }
   if (record_) {
     record_->message = reason_;
     if (record_->chosen && !record_->verdict) record_->verdict = Verdict::kFault;

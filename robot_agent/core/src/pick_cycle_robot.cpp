@@ -20,8 +20,7 @@ Result<void> PickCycle::move(const Motion& motion) {
   return order(motion.step, [&] { return ports_.arm.move(motion); });
 }
 
-Result<void> PickCycle::open(Step step) {
-  const double width_m = record_->chosen->grasp.opening_width_m;
+Result<void> PickCycle::open(Step step, double width_m) {
   return order(step, [&] { return ports_.gripper.open(width_m); });
 }
 
@@ -45,9 +44,9 @@ Result<bool> PickCycle::holds_something() {
 }
 
 /// A part that sticks gets a second chance to fall.
-Result<void> PickCycle::release() {
+Result<void> PickCycle::release(double width_m) {
   for (int tries_n = 0; tries_n < 2; ++tries_n) {
-    if (auto opened = open(Step::kRelease); !opened) return opened;
+    if (auto opened = open(Step::kRelease, width_m); !opened) return opened;
     const auto holds = holds_something();
     if (!holds) return tl::unexpected(holds.error());
     if (!*holds) return {};
@@ -67,8 +66,9 @@ Event PickCycle::clear_view() {
 
 Event PickCycle::pick() {
   const Stopwatch stopwatch(ports_.clock, record_->pick);
+  const double width_m = record_->chosen->grasp.opening_width_m;
   // Opened before it dives into the bin: its way was checked with jaws as wide as that.
-  const auto held = open(Step::kOpen)
+  const auto held = open(Step::kOpen, width_m)
                         .and_then([&] { return move(motions_.pre_grasp); })
                         .and_then([&] { return move(motions_.approach); })
                         .and_then([&] { return close(); })
@@ -84,9 +84,11 @@ Event PickCycle::place() {
   const auto held = move(motions_.transfer).and_then([&] { return holds_something(); });
   if (!held) return fault(held.error().message);
   if (!*held) return lost(Verdict::kDropped, "the gripper is empty after the transfer");
-  const auto released = move(motions_.place).and_then([&] { return release(); }).and_then([&] {
-    return move(motions_.retreat);
-  });
+  const double width_m = record_->chosen->grasp.opening_width_m;
+  const auto released =
+      move(motions_.place).and_then([&] { return release(width_m); }).and_then([&] {
+        return move(motions_.retreat);
+      });
   if (!released) return fault(released.error().message);
   record_->verdict = Verdict::kPlaced;
   memory_.placed(answer_, record_->chosen->grasp);
@@ -113,13 +115,23 @@ Event PickCycle::stir() {
                              .and_then([&] { return move(stroke[0]); })
                              .and_then([&] { return move(stroke[1]); })
                              .and_then([&] { return move(stroke[2]); })
-                             .and_then([&] { return move(stroke[3]); });
+                             .and_then([&] { return move(stroke[3]); })
+                             .and_then([&] { return drop_what_was_caught(); });
     if (!stirred) return fault(stirred.error().message);
     return Event::kStirred;
   }
   record_->message += fmt::format("; can't stir: {}", why_not);
   reason_ += fmt::format("; can't stir: {}", why_not);
   return Event::kNoStroke;
+}
+
+/// Closed jaws that are pressed into a pile can be forced open by a part and grip it. How it lies
+/// between them nobody knows: it goes back.
+Result<void> PickCycle::drop_what_was_caught() {
+  return holds_something().and_then([&](bool holds) -> Result<void> {
+    if (!holds) return {};
+    return release(task_.request.gripper.max_opening_m);
+  });
 }
 
 Event PickCycle::lost(Verdict verdict, std::string_view how) {

@@ -161,6 +161,7 @@ struct MotionPlanner::Impl {
   Result<std::vector<agent::JointTrajectory>> plan(std::span<const Motion> motions,
                                                    agent::Joints at_rad) {
     if (const auto ok = check_start(at_rad); !ok) return tl::unexpected(ok.error());
+    if (const auto ok = validate(motions); !ok) return tl::unexpected(ok.error());
     if (const auto ok = check_reach(motions, at_rad); !ok) return tl::unexpected(ok.error());
     std::vector<agent::JointTrajectory> trajectories;
     for (std::size_t begin = 0; begin < motions.size();) {

@@ -103,9 +103,9 @@ Result<void> PlannedArm::follow(const agent::JointTrajectory& trajectory) {
   return done;
 }
 
-void PlannedArm::stop() {
+Result<void> PlannedArm::stop() {
   planned_.clear();
-  driver_.stop();
+  return driver_.stop();
 }
 
 }  // namespace graspd::motion

@@ -40,12 +40,15 @@ Result<void> PhysicsCell::follow(double duration_s,
     const bool backs_off = impl_->is_stalled && duration_s * i / steps_n < kBackOff_s;
     if (backs_off || !resistance.is_stalling()) continue;
     impl_->is_stalled = true;
+    ++impl_->stalls_n;
     return fail(Code::kInternal, "the arm met resistance: {} against {}; it stands where that was",
                 resistance.by, resistance.what);
   }
   impl_->is_stalled = false;
   return {};
 }
+
+int PhysicsCell::stalls_n() const { return impl_->stalls_n; }
 
 void PhysicsCell::open(double opening_m) {
   const Gripper& gripper = impl_->options.gripper;
@@ -105,8 +108,9 @@ DepthFrame PhysicsCell::frame() {
 std::vector<CellPart> PhysicsCell::parts() const {
   std::vector<CellPart> parts;
   for (std::size_t i = 0; i < impl_->parts.size(); ++i) {
+    const bool is_lost = std::ranges::count(impl_->lost, i) > 0;
     parts.push_back({impl_->parts.kind(i), impl_->T_base_bin * impl_->parts.T_bin_part(i),
-                     impl_->parts.is_gone(i)});
+                     impl_->parts.is_gone(i) && !is_lost, is_lost});
   }
   return parts;
 }

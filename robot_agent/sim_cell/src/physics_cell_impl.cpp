@@ -101,6 +101,10 @@ void PhysicsCell::Impl::take_stock() {
   const std::vector<std::size_t> placed = parts_in_place_box();
   last_trace = recorder.finish(placed);
   for (const std::size_t part : placed) parts.take_away(part);
+  for (const std::size_t part : parts_on_table()) {
+    parts.take_away(part);
+    lost.push_back(part);
+  }
   T_base_parts_at_frame.clear();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     T_base_parts_at_frame.push_back(T_base_bin * parts.T_bin_part(i));
@@ -120,6 +124,22 @@ std::vector<std::size_t> PhysicsCell::Impl::parts_in_place_box() const {
     }
   }
   return inside;
+}
+
+/// Lower than the bin's rim: what lies on that stays, and what the gripper carries is higher. The
+/// robot may touch them: they lie against its foot.
+std::vector<std::size_t> PhysicsCell::Impl::parts_on_table() const {
+  const Eigen::Vector3d half_m =
+      options.bin.inner_size_m / 2 + Eigen::Vector3d::Constant(options.bin.wall_thickness_m);
+  std::vector<std::size_t> outside;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Eigen::Vector3d p_m = parts.centre_m(i);
+    const bool is_beside = std::abs(p_m.x()) > half_m.x() || std::abs(p_m.y()) > half_m.y();
+    if (!parts.is_gone(i) && is_beside && p_m.z() < options.bin.inner_size_m.z()) {
+      outside.push_back(i);
+    }
+  }
+  return outside;
 }
 
 }  // namespace graspd::sim_cell

@@ -24,9 +24,11 @@ struct PhysicsCell::Impl {
   double step_s() const;
   /// What waited while the gripper was at work moves now, in the time that has passed since.
   void settle();
-  /// Ends the trace and begins another, and takes away what lies in the place box.
+  /// Ends the trace and begins another, and takes away what lies in the place box, or in none.
   void take_stock();
+  /// Not those that the robot still touches.
   std::vector<std::size_t> parts_in_place_box() const;
+  std::vector<std::size_t> parts_on_table() const;
   DepthFrame observe_cell();
 
   const std::vector<parts::Mesh>& kinds;
@@ -47,12 +49,14 @@ struct PhysicsCell::Impl {
   std::vector<simulation::SceneObject> scene_seen;
   bool has_worked = true;  ///< the robot, since the last frame
   PickTrace last_trace;
+  std::vector<std::size_t> lost;  ///< parts that fell beside bin and place box
   std::vector<Eigen::Isometry3d> T_base_parts_at_frame;
   std::function<void()> watch;
   double watch_every_s = 0, watch_next_s = 0;
   bool is_settling = false;
   std::optional<double> paused_at_s;  ///< since then parts wait to move on
   bool is_stalled = false;
+  int stalls_n = 0;
   bool has_closed = false;  ///< the jaws are closed, on something or on nothing
 };
 

@@ -46,7 +46,8 @@ std::optional<double> depth_scale_m(openni::PixelFormat format) {
 
 class OpenNi2Camera final : public agent::Camera {
  public:
-  explicit OpenNi2Camera(const CameraOptions& options) : options_(options) {
+  OpenNi2Camera(const CameraOptions& options, agent::Clock& clock)
+      : options_(options), clock_(clock) {
     if (options.depth_correction) corrector_.emplace(*options.depth_correction, options.camera);
   }
   ~OpenNi2Camera() override {
@@ -80,9 +81,9 @@ class OpenNi2Camera final : public agent::Camera {
 
   Result<std::optional<DepthFrame>> next() override {
     openni::VideoFrameRef frame;
-    // What was waiting is older than this call.
-    while (wait(std::chrono::milliseconds(0)) && stream_.readFrame(&frame) == openni::STATUS_OK) {
-    }
+    // What was waiting is older than this call. OpenNI2 keeps one frame, and some of its drivers
+    // make a new one as soon as it is read: no loop.
+    if (wait(std::chrono::milliseconds(0))) static_cast<void>(stream_.readFrame(&frame));
     for (int i = 0; i < 2; ++i) {
       if (!wait(options_.timeout) || stream_.readFrame(&frame) != openni::STATUS_OK) {
         return fail(Code::kUnavailable,
@@ -90,7 +91,9 @@ class OpenNi2Camera final : public agent::Camera {
                     std::chrono::duration<double>(options_.timeout).count());
       }
     }
-    return to_depth_frame(frame);
+    const auto arrival = clock_.now();
+    return to_depth_frame(frame, arrival - std::chrono::nanoseconds(std::chrono::seconds(1)) /
+                                               options_.frames_per_second);
   }
 
  private:
@@ -121,7 +124,8 @@ class OpenNi2Camera final : public agent::Camera {
                                             static_cast<int>(timeout.count())) == openni::STATUS_OK;
   }
 
-  Result<std::optional<DepthFrame>> to_depth_frame(const openni::VideoFrameRef& frame) const {
+  Result<std::optional<DepthFrame>> to_depth_frame(const openni::VideoFrameRef& frame,
+                                                   std::chrono::nanoseconds stamp) const {
     const int width_px = frame.getWidth();
     const int height_px = frame.getHeight();
     const auto scale_m = depth_scale_m(frame.getVideoMode().getPixelFormat());
@@ -132,7 +136,7 @@ class OpenNi2Camera final : public agent::Camera {
                   height_px, options_.camera.width_px, options_.camera.height_px);
     }
     const auto width = static_cast<std::size_t>(width_px);
-    DepthFrame depth{options_.camera, *scale_m, {}};
+    DepthFrame depth{options_.camera, *scale_m, {}, stamp};
     depth.depth.resize(width * static_cast<std::size_t>(height_px));
     const auto* rows = static_cast<const std::uint8_t*>(frame.getData());
     for (std::size_t v = 0; v < static_cast<std::size_t>(height_px); ++v) {
@@ -145,6 +149,7 @@ class OpenNi2Camera final : public agent::Camera {
   }
 
   CameraOptions options_;
+  agent::Clock& clock_;
   std::optional<DepthCorrector> corrector_;
   Session session_;
   openni::Device device_;
@@ -153,9 +158,10 @@ class OpenNi2Camera final : public agent::Camera {
 
 }  // namespace
 
-Result<std::unique_ptr<agent::Camera>> open_camera(const CameraOptions& options) {
+Result<std::unique_ptr<agent::Camera>> open_camera(const CameraOptions& options,
+                                                   agent::Clock& clock) {
   if (auto ok = validate(options.camera); !ok) return tl::unexpected(ok.error());
-  auto camera = std::make_unique<OpenNi2Camera>(options);
+  auto camera = std::make_unique<OpenNi2Camera>(options, clock);
   if (auto ok = camera->start(); !ok) return tl::unexpected(ok.error());
   return camera;
 }

@@ -23,7 +23,13 @@ Result<RecordingArm> RecordingArm::create(const std::filesystem::path& path,
   return RecordingArm(*std::move(lines));
 }
 
+std::optional<std::string> RecordingArm::why_not(std::span<const agent::Motion> motions) {
+  const auto ok = validate(motions);
+  return ok ? std::nullopt : std::optional(ok.error().message);
+}
+
 Result<void> RecordingArm::move(const agent::Motion& motion) {
+  if (auto ok = validate(motion); !ok) return ok;
   last_step_ = motion.step;
   const Json line = {{"pick", pick_n_},
                      {"step", name_of(motion.step)},
@@ -33,19 +39,21 @@ Result<void> RecordingArm::move(const agent::Motion& motion) {
 }
 
 Result<void> RecordingArm::move_out_of_view() {
+  last_step_ = agent::Step::kOutOfView;
   const Json line = {{"pick", pick_n_}, {"step", name_of(agent::Step::kOutOfView)}};
   return lines_.add(to_line(line));
 }
 
-void RecordingArm::stop() {
-  // The cycle stops anyway: a file that takes no more has been reported by the order before.
+Result<void> RecordingArm::stop() {
+  // Nothing moves, and a file that takes no more has been reported by the order before.
   static_cast<void>(lines_.add(to_line({{"pick", pick_n_}, {"step", "stop"}})));
+  return {};
 }
 
 Result<void> RecordingArm::open(double opening_width_m) {
-  // Closed jaws tell nothing: they also stir.
-  const bool is_at_place = last_step_ == agent::Step::kPlace;
-  const agent::Step step = is_at_place ? agent::Step::kRelease : agent::Step::kOpen;
+  // What was placed is let go, and what a stir has caught; else a pick begins.
+  const bool lets_go = last_step_ == agent::Step::kPlace || last_step_ == agent::Step::kStirUp;
+  const agent::Step step = lets_go ? agent::Step::kRelease : agent::Step::kOpen;
   closed_ = false;
   if (step == agent::Step::kOpen) ++pick_n_;
   const Json line = {

@@ -45,7 +45,11 @@ class Driver final : public agent::JointDriver {
                       "stop");
   }
 
-  void stop() override { static_cast<void>(request_stop()); }
+  Result<void> stop() override {
+    if (request_stop()) return {};
+    return fail(Code::kUnavailable, "the joints on '{}' are not seen to stand for {:.1f} s",
+                topics_.state_topic(), std::chrono::duration<double>(options_.watchdog).count());
+  }
 
  private:
   /// One that comes after what waits in the queue.

@@ -15,11 +15,12 @@ class FloatingArm final : public Arm {
   std::optional<std::string> why_not(std::span<const Motion> motions) override;
   Result<void> move(const Motion& motion) override;
   Result<void> move_out_of_view() override;
-  void stop() override;
+  Result<void> stop() override;
 
  private:
-  Result<void> move_free(const Eigen::Isometry3d& T_base_grasp);
-  Result<void> move_straight(const Eigen::Isometry3d& T_base_grasp, double speed_m_s);
+  Result<void> move_free(const Eigen::Isometry3d& T_base_grasp, double speed_share);
+  Result<void> move_straight(const Eigen::Isometry3d& T_base_grasp, double speed_m_s,
+                             double speed_share);
 
   sim_cell::PhysicsCell& cell_;
   FloatingOptions options_;

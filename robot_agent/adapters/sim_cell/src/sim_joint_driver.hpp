@@ -13,7 +13,7 @@ class SimJointDriver final : public JointDriver {
 
   Result<Joints> joints() override { return q_rad_; }
   Result<void> follow(const JointTrajectory& trajectory) override;
-  void stop() override {}
+  Result<void> stop() override { return {}; }
 
  private:
   sim_cell::PhysicsCell& cell_;

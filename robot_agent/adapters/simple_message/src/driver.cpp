@@ -46,7 +46,7 @@ class Driver final : public agent::JointDriver {
     return done ? done : stop_because(done.error());
   }
 
-  void stop() override { static_cast<void>(request_stop()); }
+  Result<void> stop() override { return request_stop(); }
 
   Result<ControllerState> next_state() {
     const auto now = steady_clock::now();

@@ -28,8 +28,8 @@ class JointDriver {
   virtual Result<Joints> joints() = 0;
   /// Returns when the arm stands at the last point, or has stopped on an error.
   virtual Result<void> follow(const JointTrajectory& trajectory) = 0;
-  /// Stand still, now, and hold.
-  virtual void stop() = 0;
+  /// Stand still, now, and hold. \returns why it is not known to stand: it may be moving.
+  virtual Result<void> stop() = 0;
 };
 
 }  // namespace graspd::agent

@@ -2,10 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include "graspd/types/answer.hpp"
+#include "graspd/types/result.hpp"
 
 namespace graspd::agent {
 
@@ -16,7 +18,7 @@ enum class Step {
   kApproach,
   kClose,
   kLift,
-  kCheck,  ///< whether the gripper holds something: after the lift, the transfer and the release
+  kCheck,  ///< whether the gripper holds something: after the lift, the transfer, the release, a stir
   kTransfer,
   kPlace,
   kRelease,
@@ -67,6 +69,13 @@ struct Motion {
   double speed_share = 1;      ///< of the speed that the arm would take, in (0, 1]
   double opening_width_m = 0;  ///< how far the jaws may be apart meanwhile
 };
+
+/// What every arm refuses, whatever it could reach.
+/// \returns INVALID_ARGUMENT with the step and what is wrong: a pose that is none, a share of speed
+/// out of (0, 1], an opening below 0.
+Result<void> validate(const Motion& motion);
+/// The first one's.
+Result<void> validate(std::span<const Motion> motions);
 
 /// The six motions of one pick. Above the place the arm keeps the height it retreats by.
 struct PickMotions {

@@ -178,10 +178,11 @@ class PickCycle {
   template <class Give>
   auto order(Step step, const Give& give);
   Result<void> move(const Motion& motion);
-  Result<void> open(Step step);
+  Result<void> open(Step step, double width_m);
   Result<void> close();
   Result<bool> holds_something();
-  Result<void> release();
+  Result<void> release(double width_m);
+  Result<void> drop_what_was_caught();
   Event lost(Verdict verdict, std::string_view how);
   Event fault(const std::string& what);
   bool has_given_up();

@@ -35,20 +35,24 @@ struct Surroundings {
   std::vector<Eigen::Vector3f> p_base_m;  ///< readings of the frame that the grasps were planned on
 };
 
-/// Brings the gripper to poses in base.
+/// Brings the gripper to poses in base. A gripper may be brought there turned by 180° about its
+/// approach, where its jaws are alike.
 class Arm {
  public:
   virtual ~Arm() = default;
   /// In the place of those before. The arm stands where it stood when they were seen.
   virtual void set_surroundings(const Surroundings& surroundings) = 0;
-  /// Why the arm can't do these motions one after the other; nothing where it can. Nothing moves.
+  /// Why the arm can't do these motions one after the other, with the step of the first that it
+  /// can't; nothing where it can. Nothing moves.
   virtual std::optional<std::string> why_not(std::span<const Motion> motions) = 0;
-  /// Returns when the arm stands at the pose.
+  /// Returns when the arm stands at the pose. \returns INVALID_ARGUMENT as `why_not` says it where
+  /// the arm can't: it has not moved then.
   virtual Result<void> move(const Motion& motion) = 0;
   /// To where the camera sees nothing of the arm.
   virtual Result<void> move_out_of_view() = 0;
   /// Stand still, now, and hold: what is done after any error. The gripper stays as it is.
-  virtual void stop() = 0;
+  /// \returns why it is not known to stand: it may be moving.
+  virtual Result<void> stop() = 0;
 };
 
 /// Parallel jaws, or a cup.

@@ -32,7 +32,7 @@ class PlannedArm final : public agent::Arm {
   std::optional<std::string> why_not(std::span<const agent::Motion> motions) override;
   Result<void> move(const agent::Motion& motion) override;
   Result<void> move_out_of_view() override;
-  void stop() override;
+  Result<void> stop() override;
 
  private:
   struct Planned {

@@ -48,7 +48,8 @@ struct PhysicsCellOptions {
 struct CellPart {
   std::size_t kind = 0;
   Eigen::Isometry3d T_base_part = Eigen::Isometry3d::Identity();
-  bool is_taken_away = false;  ///< it was put into the place box
+  bool is_placed = false;  ///< it was put into the place box, and taken away from there
+  bool is_lost = false;    ///< it fell beside bin and place box, and was taken away from there
 };
 
 /// From where a picture of the cell is taken.
@@ -78,6 +79,8 @@ class PhysicsCell {
   /// \returns INTERNAL where it met more resistance than an arm would push on against: it stands
   /// where that was.
   Result<void> follow(double duration_s, const std::function<RobotPose(double)>& robot_at);
+  /// How many motions ended so.
+  int stalls_n() const;
   /// Returns when the jaws are there, at the drive's speed; kept within the gripper's stroke. What
   /// they held is let go.
   void open(double opening_m);
@@ -92,7 +95,7 @@ class PhysicsCell {
 
   /// What the camera sees, with the robot out of view. First what still moves comes to rest; and
   /// where the robot has worked since the last frame, the trace ends and another begins, and what
-  /// lies in the place box is taken away.
+  /// lies in the place box, or beside it and the bin, is taken away.
   DepthFrame frame();
 
   /// Everything there is: bin, place box, parts, gripper and arm.

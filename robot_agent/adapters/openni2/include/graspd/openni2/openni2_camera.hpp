@@ -24,10 +24,17 @@ struct CameraOptions {
   std::chrono::milliseconds timeout{2000};  ///< without a frame
 };
 
-/// Every frame was exposed after `next` was called: the first to arrive then may still show the arm
-/// that has just left, so the second is given.
+/// Of the frames that arrive after `next` was called the second is given: the first may still show
+/// the arm that has just left.
 ///
+/// A frame is stamped by when it arrived, less one frame's time: its exposure did not begin later.
+/// How much earlier is not known, since no driver tells how long a frame takes through USB and its
+/// depth computation. OpenNI2's own timestamps are no help: libfreenect2's plug-in counts the
+/// frames it delivers and takes each for 33.369 ms, so that they fall behind with each lost frame.
+///
+/// \param clock must outlive the camera.
 /// \returns UNAVAILABLE where there is no device, or none that has this mode.
-Result<std::unique_ptr<agent::Camera>> open_camera(const CameraOptions& options);
+Result<std::unique_ptr<agent::Camera>> open_camera(const CameraOptions& options,
+                                                   agent::Clock& clock);
 
 }  // namespace graspd::openni2

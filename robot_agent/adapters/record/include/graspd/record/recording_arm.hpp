@@ -26,10 +26,10 @@ class RecordingArm final : public agent::Arm, public agent::Gripper {
   static Result<RecordingArm> create(const std::filesystem::path& path, const CellFrames& frames);
 
   void set_surroundings(const agent::Surroundings&) override {}
-  std::optional<std::string> why_not(std::span<const agent::Motion>) override { return {}; }
+  std::optional<std::string> why_not(std::span<const agent::Motion> motions) override;
   Result<void> move(const agent::Motion& motion) override;
   Result<void> move_out_of_view() override;
-  void stop() override;
+  Result<void> stop() override;
 
   Result<void> open(double opening_width_m) override;
   Result<void> close() override;
