@@ -1,15 +1,17 @@
-/// The log odds that a pose is right, fitted to refined poses of simulated tuning frames: `kOdds`
-/// of server/perception/src/pose_hypothesis.cpp.
+/// The log odds that a pose is right, fitted to poses in simulated tuning frames: the constants of
+/// server/perception/src/confidence.cpp. First those of a pose alone, in bins that hold nothing but
+/// the part that is asked for; then, given these, those of a part that was found in a bin that may
+/// hold others, or only others.
 ///
-/// Frame k of a part has the seed `seed + k`; tuning seeds start at 1000. A pose is right where its
+/// Frame k of a bin has the seed `seed + k`; tuning seeds start at 1000. A pose is right where its
 /// MSSD to a true object is below a tenth of the diameter.
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iostream>
-#include <numeric>
 #include <stdexcept>
 
 #include "graspd/command_line/progress.hpp"
@@ -19,7 +21,11 @@
 #include "graspd/formats/table.hpp"
 #include "graspd/perception/explanation.hpp"
 #include "graspd/perception/hypotheses.hpp"
+#include "graspd/perception/organised.hpp"
 #include "graspd/perception/preprocess.hpp"
+#include "graspd/perception/segmentation.hpp"
+#include "graspd/perception/verified.hpp"
+#include "logistic_regression.hpp"
 #include "piles.hpp"
 
 namespace graspd::bench {
@@ -27,7 +33,6 @@ namespace {
 
 constexpr std::array kCameraHeights_m{0.7, 0.9};
 constexpr double kRightShare = 0.1;  ///< of the diameter
-constexpr int kNewtonSteps = 30;
 
 struct Options {
   std::filesystem::path parts = "deploy/parts";
@@ -35,55 +40,102 @@ struct Options {
   std::uint64_t seed = 1000;
 };
 
-/// 1, and the terms of PoseVerifier::confidence.
-using Terms = Eigen::Matrix<double, 5, 1>;
-constexpr std::array kTermNames{"at_zero", "fit", "refuted", "log_support", "leftover"};
-
-struct Sample {
-  Terms terms;
-  bool is_right = false;
-  double score = 0;  ///< what poses are ranked by without the fit
+/// What lies in a bin: so many of the part that is asked for, and of each other one.
+struct Bin {
+  const char* name;
+  int asked_n, of_others_n;
 };
+constexpr std::array kBins{Bin{"45 asked for", 45, 0}, Bin{"5 asked for", 5, 0},
+                           Bin{"10 among 35 others", 10, 7}, Bin{"45 others", 0, 9},
+                           Bin{"5 others", 0, 1}};
 
 bool is_right(const parts::Part& part, const Eigen::Isometry3d& T_camera_part,
               const std::vector<BopTruth>& truth) {
   const double right_m = kRightShare * part.diameter_m;
   return std::ranges::any_of(truth, [&](const BopTruth& one) {
+    if (one.obj_id != part.bop_obj_id) return false;
     const double off_m =
         (T_camera_part * part.barycentre_m - one.T_camera_part * part.barycentre_m).norm();
     return off_m <= right_m && eval::mssd_m(part, T_camera_part, one.T_camera_part) <= right_m;
   });
 }
 
-/// Every pose that the search finds in a frame and that is worth refining, refined, where no other
-/// rule refuses it.
-void add_samples(const BopImage& image, const parts::Part& part, const PlanRequest& request,
-                 const perception::Parameters& parameters, std::vector<Sample>& samples) {
-  const perception::Scene scene =
-      perception::prepare_scene(image.frame, request, part.diameter_m, parameters);
-  const std::array parts{&part};
-  const perception::PoseVerifier verifier(*scene.grid, parts, parameters.registration);
-  auto found =
-      perception::find_hypotheses(*scene.grid, verifier, parts, parameters.registration).poses;
-  perception::keep_promising(*scene.grid, verifier, parameters.registration, found);
-  for (perception::PoseHypothesis& pose : found) {
-    if (verifier.refine(pose)) continue;
-    const perception::ConfidenceTerms terms =
-        verifier.confidence_terms(pose, verifier.leftover_share(pose));
-    Sample& sample = samples.emplace_back();
-    sample.terms << 1, terms.fit, terms.refuted, terms.log_support, terms.leftover;
-    sample.is_right = is_right(part, pose.T_camera_part(), image.truth);
-    sample.score = static_cast<double>(pose.score);
+/// A bin's image, and what the search needs of it.
+class Frame {
+ public:
+  Frame(const BopImage& image, const parts::Part& part, const parts::Catalogue& catalogue,
+        const perception::Parameters& parameters)
+      : image_(image),
+        part_(part),
+        registration_(parameters.registration),
+        scene_(perception::prepare_scene(image.frame,
+                                         eval::request_for(image, catalogue, {part.id}),
+                                         part.diameter_m, parameters)) {
+    const auto segments =
+        perception::segment(scene_.cloud, parts_, parameters.preprocess, parameters.segmentation);
+    perception::drop_islands_without_segments(segments, scene_);
   }
-}
 
-std::vector<Sample> samples_of(const parts::Catalogue& catalogue, const parts::Part& part,
-                               const Options& options, Progress& progress) {
+  /// Every pose that is worth refining, refined, where no rule refuses it.
+  void add_poses(std::vector<Sample>& samples, std::vector<double>& scores) {
+    auto found = search();
+    perception::keep_promising(*scene_.grid, verifier_, registration_, found);
+    for (perception::PoseHypothesis& pose : found) {
+      if (verifier_.refine(pose)) continue;
+      const perception::ConfidenceTerms terms =
+          verifier_.confidence_terms(pose, verifier_.leftover_share(pose));
+      Sample& sample = samples.emplace_back();
+      sample.terms =
+          Eigen::VectorXd{{1, terms.fit, terms.refuted, terms.log_support, terms.leftover}};
+      sample.is_right = is_right(part_, pose.T_camera_part(), image_.truth);
+      scores.push_back(static_cast<double>(pose.score));
+    }
+  }
+
+  /// Every part that is found, as it would be answered if none were too improbable.
+  void add_parts(std::vector<Sample>& samples) {
+    perception::Explanation explanation;
+    for (int look = 0; look < perception::kLooks; ++look) {
+      perception::explain(*scene_.grid, verifier_, scene_, search(), registration_,
+                          perception::never_late, explanation);
+    }
+    const auto terms = perception::terms_in_bin(*scene_.grid, verifier_, explanation);
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      const auto& [alone, share, leftover] = terms[i];
+      const float explained = std::min(1.0F, share / perception::kExplainedEnough);
+      Sample& sample = samples.emplace_back();
+      sample.terms = Eigen::VectorXd{
+          {1, std::log(alone / (1 - alone)), explained, (1 - explained) * leftover}};
+      sample.is_right = is_right(part_, explanation.parts[i].pose.T_camera_part(), image_.truth);
+    }
+  }
+
+ private:
+  std::vector<perception::PoseHypothesis> search() const {
+    return perception::find_hypotheses(*scene_.grid, verifier_, parts_, registration_).poses;
+  }
+
+  const BopImage& image_;
+  const parts::Part& part_;
+  const perception::RegistrationParameters& registration_;
+  perception::Scene scene_;
+  const std::array<const parts::Part*, 1> parts_{&part_};
+  const perception::PoseVerifier verifier_{*scene_.grid, parts_, registration_};
+};
+
+/// Calls `visit(frame)` for each frame of a bin.
+template <class Visit>
+void for_frames(const parts::Catalogue& catalogue, const parts::Part& part, const Bin& bin,
+                const Options& options, Progress& progress, Visit visit) {
   perception::Parameters parameters;
   parameters.registration.min_confidence = 0;  // it would choose by what is to be fitted
-  std::vector<Sample> samples;
   for (const double height_m : kCameraHeights_m) {
-    simulation::SceneOptions scene = pile_of(part, 45, height_m);
+    simulation::SceneOptions scene = pile_of(part, bin.asked_n, height_m);
+    if (bin.asked_n == 0) scene.parts.clear();
+    for (const parts::Part& other : catalogue.parts()) {
+      if (&other != &part && bin.of_others_n > 0)
+        scene.parts.push_back({other.id, bin.of_others_n});
+    }
     scene.seed = options.seed;
     parameters.preprocess.wall_bow_m = scene.sensor.wall_bow_m;  // not found: no one asks for it
     const auto maker = simulation::SceneMaker::create(catalogue, scene);
@@ -91,82 +143,112 @@ std::vector<Sample> samples_of(const parts::Catalogue& catalogue, const parts::P
     for (int k = 0; k < options.frames_n; ++k) {
       const auto image = maker->make(k);
       if (!image) throw std::runtime_error(image.error().message);
-      add_samples(*image, part, eval::request_for(*image, catalogue, {part.id}), parameters,
-                  samples);
+      Frame frame(*image, part, catalogue, parameters);
+      visit(frame);
       progress.step();
     }
   }
-  return samples;
 }
 
-/// Logistic regression by Newton's method.
-Terms fit(const std::vector<Sample>& samples) {
-  Terms weights = Terms::Zero();
-  for (int step = 0; step < kNewtonSteps; ++step) {
-    Eigen::Matrix<double, 5, 5> hessian = 1e-6 * Eigen::Matrix<double, 5, 5>::Identity();
-    Terms gradient = Terms::Zero();
-    for (const Sample& sample : samples) {
-      const double probability = 1 / (1 + std::exp(-weights.dot(sample.terms)));
-      gradient += (double(sample.is_right) - probability) * sample.terms;
-      hessian += probability * (1 - probability) * sample.terms * sample.terms.transpose();
-    }
-    weights += hessian.ldlt().solve(gradient);
-  }
-  return weights;
+std::size_t frames_of_bin(const parts::Catalogue& catalogue, const Options& options) {
+  return catalogue.parts().size() * kCameraHeights_m.size() * std::size_t(options.frames_n);
 }
 
-/// How often a right pose comes before a wrong one.
-template <class Value>
-double auc(const std::vector<Sample>& samples, Value value) {
-  std::vector<std::pair<double, bool>> ranked;
-  for (const Sample& sample : samples) ranked.emplace_back(value(sample), sample.is_right);
-  std::sort(ranked.begin(), ranked.end());
-  double wrong_n = 0, before_n = 0;
-  for (const auto& [_, is_right] : ranked) {
-    if (is_right) {
-      before_n += wrong_n;
-    } else {
-      ++wrong_n;
-    }
-  }
-  const double right_n = static_cast<double>(ranked.size()) - wrong_n;
-  return before_n / std::max(1.0, right_n * wrong_n);
+void print_weights(std::initializer_list<const char*> names, const Eigen::VectorXd& weights) {
+  Table constants({"term", "log odds"});
+  Eigen::Index i = 0;
+  for (const char* name : names) constants.add({name, fmt::format("{:.3f}", weights[i++])});
+  std::cout << constants.to_markdown() << "\n";
 }
 
-void run(const Options& options) {
-  const auto catalogue = parts::Catalogue::load(options.parts);
-  if (!catalogue) throw std::runtime_error(catalogue.error().message);
-  const std::size_t frames_n =
-      catalogue->parts().size() * kCameraHeights_m.size() * std::size_t(options.frames_n);
-  Progress progress("refining poses", frames_n);
-  std::vector<std::vector<Sample>> by_part;
-  for (const parts::Part& part : catalogue->parts()) {
-    by_part.push_back(samples_of(*catalogue, part, options, progress));
-  }
+std::vector<double> log_odds(const std::vector<Sample>& samples, const Eigen::VectorXd& weights) {
+  std::vector<double> values;
+  for (const Sample& sample : samples) values.push_back(weights.dot(sample.terms));
+  return values;
+}
 
+struct OfPart {
+  std::vector<Sample> samples;
+  std::vector<double> scores;  ///< what poses are ranked by without the fit
+};
+
+void fit_alone(const parts::Catalogue& catalogue, const Options& options) {
+  Progress progress("poses alone", frames_of_bin(catalogue, options));
+  std::vector<OfPart> by_part;
+  for (const parts::Part& part : catalogue.parts()) {
+    OfPart& own = by_part.emplace_back();
+    for_frames(catalogue, part, kBins.front(), options, progress,
+               [&](Frame& frame) { frame.add_poses(own.samples, own.scores); });
+  }
   Table table({"part", "poses", "right", "AUC of the score", "AUC, fitted on the other parts"});
   std::vector<Sample> all;
   for (std::size_t p = 0; p < by_part.size(); ++p) {
     std::vector<Sample> others;
     for (std::size_t q = 0; q < by_part.size(); ++q) {
-      if (q != p) others.insert(others.end(), by_part[q].begin(), by_part[q].end());
+      const auto& samples = by_part[q].samples;
+      if (q != p) others.insert(others.end(), samples.begin(), samples.end());
     }
-    const Terms weights = fit(others);
-    const std::vector<Sample>& own = by_part[p];
-    table.add({catalogue->parts()[p].id, std::to_string(own.size()),
+    const auto& [own, scores] = by_part[p];
+    table.add({catalogue.parts()[p].id, std::to_string(own.size()),
                std::to_string(std::ranges::count_if(own, &Sample::is_right)),
-               fmt::format("{:.3f}", auc(own, [](const Sample& one) { return one.score; })),
-               fmt::format("{:.3f}",
-                           auc(own, [&](const Sample& one) { return weights.dot(one.terms); }))});
+               fmt::format("{:.3f}", auc(own, scores)),
+               fmt::format("{:.3f}", auc(own, log_odds(own, fit_log_odds(others))))});
     all.insert(all.end(), own.begin(), own.end());
   }
   std::cout << table.to_markdown() << "\n";
-  const Terms weights = fit(all);
-  Table constants({"term", "log odds"});
-  for (std::size_t i = 0; i < kTermNames.size(); ++i) {
-    constants.add({kTermNames[i], fmt::format("{:.3f}", weights[Eigen::Index(i)])});
+  print_weights({"at_zero", "fit", "refuted", "log_support", "leftover"}, fit_log_odds(all));
+}
+
+/// How many answers there are, and how many of them are right, where at least `min` is asked of
+/// their probability.
+std::string answers_above(double min, const std::vector<Sample>& samples,
+                          const std::vector<double>& log_odds) {
+  int answers_n = 0, right_n = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (1 / (1 + std::exp(-log_odds[i])) < min) continue;
+    ++answers_n;
+    right_n += samples[i].is_right;
   }
-  std::cout << constants.to_markdown();
+  return fmt::format("{} of {}", right_n, answers_n);
+}
+
+void fit_in_bin(const parts::Catalogue& catalogue, const Options& options) {
+  Progress progress("parts found in bins", kBins.size() * frames_of_bin(catalogue, options));
+  std::vector<std::vector<Sample>> by_bin;
+  std::vector<Sample> all;
+  for (const Bin& bin : kBins) {
+    std::vector<Sample>& own = by_bin.emplace_back();
+    for (const parts::Part& part : catalogue.parts()) {
+      for_frames(catalogue, part, bin, options, progress,
+                 [&](Frame& frame) { frame.add_parts(own); });
+    }
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  const Eigen::VectorXd weights = fit_log_odds(all);
+  const double min = perception::RegistrationParameters{}.min_confidence;
+  Table table({"bin", "frames", "found", "right", "alone: right of answers",
+               "in the bin: right of answers"});
+  const Eigen::VectorXd as_alone{{0, 1, 0, 0}};
+  for (std::size_t b = 0; b < kBins.size(); ++b) {
+    const std::vector<Sample>& own = by_bin[b];
+    const std::vector<double> alone = log_odds(own, as_alone);
+    std::vector<double> least = log_odds(own, weights);  // both must reach the minimum
+    std::ranges::transform(least, alone, least.begin(),
+                           [](double one, double other) { return std::min(one, other); });
+    table.add({kBins[b].name, std::to_string(frames_of_bin(catalogue, options)),
+               std::to_string(own.size()),
+               std::to_string(std::ranges::count_if(own, &Sample::is_right)),
+               answers_above(min, own, alone), answers_above(min, own, least)});
+  }
+  std::cout << table.to_markdown() << "\n";
+  print_weights({"at_zero", "alone", "explained", "leftover"}, weights);
+}
+
+void run(const Options& options) {
+  const auto catalogue = parts::Catalogue::load(options.parts);
+  if (!catalogue) throw std::runtime_error(catalogue.error().message);
+  fit_alone(*catalogue, options);
+  fit_in_bin(*catalogue, options);
 }
 
 }  // namespace
@@ -175,9 +257,9 @@ void run(const Options& options) {
 int main(int count, char** words) {
   graspd::bench::Options options;
   return graspd::run_program("bench_confidence", count, words, [&](CLI::App& app) {
-    app.description("Fits how probable a pose is, by what the image says of it.");
+    app.description("Fits how probable a pose is, by what the image and the bin say of it.");
     app.add_option("--parts", options.parts, "part catalogue")->capture_default_str();
-    app.add_option("--frames", options.frames_n, "of each part and camera height")
+    app.add_option("--frames", options.frames_n, "of each bin, part and camera height")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
     app.add_option("--seed", options.seed, "of the first frame; tuning seeds start at 1000")

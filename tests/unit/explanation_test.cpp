@@ -118,5 +118,41 @@ TEST_F(ThreeBlocks, ASlabOfManyBlocksIsNone) {
   EXPECT_GT(refusal->value, parameters_.max_leftover_share);
 }
 
+TEST_F(ThreeBlocks, AreLessProbableAmongThingsThatNobodyAskedFor) {
+  const auto weighed = [&] {
+    auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
+    Explanation explanation = explain_all(std::move(found.poses));
+    const auto terms = terms_in_bin(grid_, verifier_, explanation);
+    weigh_in_bin(grid_, verifier_, parameters_, explanation);
+    return std::pair(terms, explanation.parts);
+  };
+  const auto [terms_alone, parts_alone] = weighed();
+  for (const double y_m : {-0.09, -0.13, -0.17, 0.09, 0.13}) {  // bars, too narrow for a block
+    blocks_.push_back({Eigen::Isometry3d(Eigen::Translation3d(0, y_m, 0.70)), {0.4, 0.02, 0.03}});
+  }
+  grid_ = testing::grid_of(blocks_, kFloor_m);
+  const auto [terms, parts] = weighed();
+  ASSERT_EQ(parts_alone.size(), 3U);
+  ASSERT_EQ(parts.size(), 3U);
+  EXPECT_GT(terms_alone[0].explained, 0.8F);
+  EXPECT_LT(terms[0].explained, 0.5F);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(terms[i].alone, terms_alone[i].alone);
+    EXPECT_LT(parts[i].pose.confidence, parts_alone[i].pose.confidence);
+  }
+}
+
+TEST_F(ThreeBlocks, AreNoneWhereTheyAreTooImprobableInTheBin) {
+  auto found = find_hypotheses(grid_, verifier_, parts_, parameters_);
+  Explanation explanation = explain_all(std::move(found.poses));
+  ASSERT_EQ(explanation.parts.size(), 3U);
+  parameters_.min_confidence = 1.1;
+  weigh_in_bin(grid_, verifier_, parameters_, explanation);
+  EXPECT_TRUE(explanation.parts.empty());
+  ASSERT_TRUE(explanation.refusal);
+  EXPECT_EQ(explanation.refusal->parameter, "min_confidence");
+  EXPECT_GT(explanation.refusal->value, 0.5);
+}
+
 }  // namespace
 }  // namespace graspd::perception

@@ -147,4 +147,39 @@ void explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
   if (!explanation.refusal) explanation.refusal = nearest_miss.refusal();
 }
 
+std::vector<BinTerms> terms_in_bin(const DepthGrid& grid, const PoseVerifier& verifier,
+                                   const Explanation& explanation) {
+  const auto is_part = [&](std::uint32_t cell) { return grid.is_part[cell] != 0; };
+  float explained_n = 0;
+  for (const ExplainedPart& part : explanation.parts) {
+    explained_n +=
+        part.pose.confidence * static_cast<float>(std::ranges::count_if(part.cells, is_part));
+  }
+  const auto all_n = std::ranges::count_if(grid.is_part, [](std::uint8_t is) { return is != 0; });
+  const float explained = explained_n / static_cast<float>(std::max<std::ptrdiff_t>(1, all_n));
+  std::vector<BinTerms> terms;
+  terms.reserve(explanation.parts.size());
+  for (const ExplainedPart& part : explanation.parts) {
+    terms.push_back({part.pose.confidence, explained, verifier.leftover_share(part.pose)});
+  }
+  return terms;
+}
+
+void weigh_in_bin(const DepthGrid& grid, const PoseVerifier& verifier,
+                  const RegistrationParameters& parameters, Explanation& explanation) {
+  const std::vector<BinTerms> terms = terms_in_bin(grid, verifier, explanation);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    explanation.parts[i].pose.confidence = confidence_in_bin(terms[i]);
+  }
+  NearestMiss nearest_miss;
+  std::erase_if(explanation.parts, [&](const ExplainedPart& part) {
+    const auto& [pose, _] = part;
+    if (pose.confidence >= static_cast<float>(parameters.min_confidence)) return false;
+    nearest_miss.add(pose.confidence, Refusal{&verifier.part(pose), "min_confidence",
+                                              parameters.min_confidence, pose.confidence});
+    return true;
+  });
+  if (nearest_miss.refusal()) explanation.refusal = nearest_miss.refusal();
+}
+
 }  // namespace graspd::perception

@@ -24,19 +24,8 @@ constexpr float kSmallError2 = 4;
 constexpr float kAgreeingCosine = 0.9F;
 constexpr float kOpposingCosine = 0.5F;
 
-/// Log odds that a pose is right, from `./run bench confidence`.
-struct LogOdds {
-  float at_zero, fit, refuted, log_support, leftover;
-};
-constexpr LogOdds kOdds{-16.668F, 5.145F, -119.19F, 2.632F, -8.320F};
 /// Fewer are taken for as many, as they were in the fit: small parts are not punished for that.
 constexpr std::int32_t kFewestThatCount = 200;
-
-float probability(const ConfidenceTerms& terms) {
-  return 1 /
-         (1 + std::exp(-(kOdds.at_zero + kOdds.fit * terms.fit + kOdds.refuted * terms.refuted +
-                         kOdds.log_support * terms.log_support + kOdds.leftover * terms.leftover)));
-}
 
 KernelPose for_kernel(const PoseHypothesis& pose) {
   KernelPose result{};
@@ -142,7 +131,7 @@ std::optional<Refusal> PoseVerifier::score_finally(PoseHypothesis& pose) const {
        kAgreeingCosine, kOpposingCosine});
   set_score(pose, view(pose), support);
   const float leftover = leftover_share(pose);
-  pose.confidence = probability(confidence_terms(pose, leftover));
+  pose.confidence = confidence_alone(confidence_terms(pose, leftover));
   pose.fit = fit;
   const auto refused = refusal(pose, leftover);
   if (refused) pose.score = 0;

@@ -14,10 +14,6 @@ namespace {
 /// Rounds in which the bow is found: the first one's poses are bent themselves.
 constexpr int kBowRounds = 2;
 
-/// Times the image is searched. Before the second, what explains most of it is out of the way: on
-/// tuning frames that found 2 in 100 more parts; a third time found hardly any.
-constexpr int kLooks = 2;
-
 /// Takes out of the scene's image what its walls bow it more, or less, than was assumed.
 void straighten_further(const PoseVerifier& verifier, std::span<const PoseHypothesis> poses,
                         double assumed_m, Scene& scene, DepthGrid& grid) {
@@ -85,6 +81,7 @@ RegistrationResult register_verified(const DepthFrame& frame, Scene& scene,
     explain(grid, verifier, scene, std::move(found.poses), parameters.registration, is_late,
             explained);
   }
+  weigh_in_bin(grid, verifier, parameters.registration, explained);
 
   const auto map = segment_map(grid, scene.cloud, segments);
   result.refusal = explained.refusal;

@@ -36,4 +36,13 @@ void explain(DepthGrid& grid, const PoseVerifier& verifier, const Scene& scene,
              std::vector<PoseHypothesis> poses, const RegistrationParameters& parameters,
              const IsLate& is_late, Explanation& explanation);
 
+/// What the bin says of each part of the explanation.
+std::vector<BinTerms> terms_in_bin(const DepthGrid& grid, const PoseVerifier& verifier,
+                                   const Explanation& explanation);
+
+/// Sets each part's confidence to what it is in this bin, and drops what is too improbable there.
+/// \param explanation of the whole image: nothing more is found in it.
+void weigh_in_bin(const DepthGrid& grid, const PoseVerifier& verifier,
+                  const RegistrationParameters& parameters, Explanation& explanation);
+
 }  // namespace graspd::perception

@@ -73,7 +73,7 @@ struct RegistrationParameters {
   double min_unhidden_share = 0.5;   ///< likewise, of those that nothing in front of them hides
   double min_verified_score = 0.35;  ///< of what the view shows: explained less refuted
   double min_explained_px = 40;
-  double min_confidence = 0.1;  ///< that the pose is right, see PoseHypothesis
+  double min_confidence = 0.1;  ///< that the pose is right, see confidence.hpp
 };
 
 /// Weights of GRS(i) = (α·P_self + β·P_grasp)·P_system and of its terms.

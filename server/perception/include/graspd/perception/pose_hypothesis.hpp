@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "graspd/parts/part.hpp"
+#include "graspd/perception/confidence.hpp"
 #include "graspd/perception/depth_grid.hpp"
 #include "graspd/perception/evidence.hpp"
 #include "graspd/perception/parameters.hpp"
@@ -29,8 +30,8 @@ struct PoseHypothesis {
   float score = 0;
   /// The same share of what this view shows, so that a view of little is not judged by that.
   float fit = 0;
-  /// How probable it is that the pose is right (MSSD below a tenth of the diameter), as far as the
-  /// image tells. Only `score_finally` sets it.
+  /// How probable it is that the pose is right. `score_finally` sets it as if the bin held nothing
+  /// else, `weigh_in_bin` then as it is in this bin.
   float confidence = 0;
   PoseCounts counts;
 
@@ -40,13 +41,6 @@ struct PoseHypothesis {
   static PoseHypothesis of(const Eigen::Isometry3d& T_camera_part, std::uint32_t part = 0);
 };
 
-/// What the image says of a pose that was refined, for how probable it is.
-struct ConfidenceTerms {
-  float fit = 0;          ///< of the view's points: supported, each by its weight, less refuted
-  float refuted = 0;      ///< share of the points that were tested
-  float log_support = 0;  ///< natural logarithm of how many readings support it
-  float leftover = 0;     ///< share of the outline beyond which the surface goes on
-};
 /// What its counts say, and its confidence as score.
 Evidence evidence_of(const PoseHypothesis& pose);
 
