@@ -7,6 +7,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "allocation_count.hpp"
 #include "graspd/command_line/run_program.hpp"
@@ -33,12 +34,12 @@ struct Options {
 using ByStage = std::array<AllocationCount, kStages.size()>;
 
 /// The planner asks whether it is late after preprocessing, after segmentation, many times while it
-/// registers, and once more before it plans grasps. Takes nothing from the heap itself.
+/// registers, and once more after it planned grasps. Takes nothing from the heap itself.
 class StageCounter {
  public:
   perception::IsLate ask() {
     return [this] {
-      last_ = allocations();
+      before_last_ = std::exchange(last_, allocations());
       if (asked_n_ < 2) ends_[asked_n_] = last_;
       ++asked_n_;
       return false;
@@ -46,14 +47,15 @@ class StageCounter {
   }
   /// \throws std::runtime_error where the plan did not come to its last stage.
   ByStage counts(const AllocationCount& begin, const AllocationCount& end) const {
-    if (asked_n_ < 3) throw std::runtime_error("a plan ended before it had registered parts");
-    return {ends_[0] - begin, ends_[1] - ends_[0], last_ - ends_[1], end - last_, end - begin};
+    if (asked_n_ < 4) throw std::runtime_error("a plan ended before it had registered parts");
+    return {ends_[0] - begin, ends_[1] - ends_[0], before_last_ - ends_[1], end - before_last_,
+            end - begin};
   }
 
  private:
   std::size_t asked_n_ = 0;
   std::array<AllocationCount, 2> ends_;
-  AllocationCount last_;
+  AllocationCount before_last_, last_;
 };
 
 ByStage count_one(const BopImage& image, const PlanRequest& request,

@@ -123,9 +123,20 @@ TEST_F(Planner, TheLastPlanOfAnUntouchedBinStands) {
                                            object.p_base_segment_centroid_m, object.score,
                                            object.visible_fraction});
   }
-  const auto second = plan_of(frame);
+  int asked_n = 0;
+  const auto second = plan(frame, request_, catalogue_, parameters_, [&] {
+    ++asked_n;
+    return false;
+  });
   ASSERT_TRUE(second);
   EXPECT_EQ(second->outcome, Outcome::kUnchanged);
+  for (int most_n = 0; most_n < asked_n; ++most_n) {
+    const auto late = plan(frame, request_, catalogue_, parameters_,
+                           [&, left_n = most_n]() mutable { return left_n-- <= 0; });
+    ASSERT_FALSE(late) << "asked " << most_n << " of " << asked_n << " times";
+    EXPECT_EQ(late.error().code, Code::kDeadlineExceeded);
+  }
+  EXPECT_GE(asked_n, 2) << "before the objects are looked for, and after the grasps";
   ASSERT_EQ(second->objects.size(), first->objects.size());
   EXPECT_EQ(second->funnel.hypotheses_n, 0U) << "nothing was registered again";
   ASSERT_EQ(second->grasps.size(), first->grasps.size());

@@ -14,6 +14,7 @@
 #include "graspd/perception/segmentation.hpp"
 #include "graspd/perception/verified.hpp"
 #include "last_plan.hpp"
+#include "missing_readings.hpp"
 #include "parallel.hpp"
 #include "why_none.hpp"
 
@@ -143,6 +144,7 @@ Scene look(const DepthFrame& frame, const PlanRequest& request, const PartList& 
   answer.funnel = scene.funnel;
   answer.fill_level = scene.fill_level;
   answer.warnings = scene.warnings;
+  if (auto warning = missing_readings(frame, request)) answer.warnings.push_back(*warning);
   std::ranges::move(too_small_parts(parts, frame.camera, scene.T_camera_floor.translation().norm(),
                                     parameters.registration.min_explained_px),
                     std::back_inserter(answer.warnings));
@@ -269,6 +271,7 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
     is_unchanged = *found == Found::kLastPlan;
     plan_on_objects();
   }
+  if (is_late()) return too_late(answer.timings);
   if (request.options.outlines) {
     draw_outlines(frame, request, catalogue, answer.objects);
     clock.finished("outlines");

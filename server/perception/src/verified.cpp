@@ -73,7 +73,8 @@ RegistrationResult register_verified(const DepthFrame& frame, Scene& scene,
   RegistrationResult result;
   Explanation explained;
   for (int look = 0; look < kLooks && !is_late(); ++look) {
-    HypothesesFound found = find_hypotheses(grid, verifier, parts, parameters.registration);
+    HypothesesFound found =
+        find_hypotheses(grid, verifier, parts, parameters.registration, is_late);
     result.hypotheses_n += static_cast<std::uint32_t>(found.compared_n);
     if (look == 0 && scene.walls) {
       straighten_further(verifier, found.poses, parameters.preprocess.wall_bow_m, scene, grid);

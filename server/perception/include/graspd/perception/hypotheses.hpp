@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "graspd/perception/is_late.hpp"
 #include "graspd/perception/pose_hypothesis.hpp"
 
 namespace graspd::perception {
@@ -21,9 +22,11 @@ struct HypothesesFound {
 ///    compared with the image at more points.
 /// 3. Of each place the best few, made better by projective ICP.
 ///
-/// Works in parallel within the caller's TBB arena; the result does not depend on its size.
+/// Works in parallel within the caller's TBB arena; the result does not depend on its size. Once it
+/// is late, what was found so far.
 HypothesesFound find_hypotheses(const DepthGrid& grid, const PoseVerifier& verifier,
                                 std::span<const parts::Part* const> parts,
-                                const RegistrationParameters& parameters);
+                                const RegistrationParameters& parameters,
+                                const IsLate& is_late = never_late);
 
 }  // namespace graspd::perception

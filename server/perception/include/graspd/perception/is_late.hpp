@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 
 namespace graspd::perception {
@@ -9,5 +10,19 @@ namespace graspd::perception {
 using IsLate = std::function<bool()>;
 
 inline bool never_late() { return false; }
+
+/// Asks from many threads, and no more once it is late.
+class AskedOften {
+ public:
+  explicit AskedOften(const IsLate& is_late) : is_late_(is_late) {}
+  bool is_late() {
+    if (!was_late_ && is_late_()) was_late_ = true;
+    return was_late_;
+  }
+
+ private:
+  const IsLate& is_late_;
+  std::atomic<bool> was_late_ = false;
+};
 
 }  // namespace graspd::perception
