@@ -93,19 +93,23 @@ std::vector<Seed> choose_seeds(const DepthGrid& grid, double spacing_m) {
   };
   const int u_end = grid.width_px - first;
   const int v_end = grid.height_px - first;
+  const int u_first = first_square(grid.cx_px);
   const int v_first = first_square(grid.cy_px);
-  const int rows_n = std::max(0, (v_end - v_first + side - 1) / side);
-  std::vector<std::vector<Seed>> of_rows(static_cast<std::size_t>(rows_n));
-  parallel_for(of_rows.size(), [&](std::size_t row) {
-    const int v = v_first + static_cast<int>(row) * side;
-    for (int u = first_square(grid.cx_px); u < u_end; u += side) {
-      const auto seed = choose_seed(grid, std::max(u, first), std::max(v, first),
-                                    std::min(u + side, u_end), std::min(v + side, v_end));
-      if (seed) of_rows[row].push_back(*seed);
-    }
+  const auto squares_n = [&](int from, int end) {
+    return static_cast<std::size_t>(std::max(0, (end - from + side - 1) / side));
+  };
+  const std::size_t columns_n = squares_n(u_first, u_end);
+  std::vector<std::optional<Seed>> of_squares(columns_n * squares_n(v_first, v_end));
+  parallel_for(of_squares.size(), [&](std::size_t i) {
+    const int u = u_first + static_cast<int>(i % columns_n) * side;
+    const int v = v_first + static_cast<int>(i / columns_n) * side;
+    of_squares[i] = choose_seed(grid, std::max(u, first), std::max(v, first),
+                                std::min(u + side, u_end), std::min(v + side, v_end));
   });
   std::vector<Seed> seeds;
-  for (const auto& row : of_rows) seeds.insert(seeds.end(), row.begin(), row.end());
+  for (const auto& seed : of_squares) {
+    if (seed) seeds.push_back(*seed);
+  }
   return seeds;
 }
 
