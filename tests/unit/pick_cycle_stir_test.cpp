@@ -73,6 +73,32 @@ TEST(StirTest, StrokesGoThroughTheTopOfThePileSlowlyAndStayInTheBin) {
   }
 }
 
+TEST(StirTest, ComesDownBesideWhatLiesThereWhereItCan) {
+  const Bin bin = turned_bin();
+  Surroundings surroundings = heap_at(bin, 0, 0);
+  // Higher than the tips, where the strokes along x and one of those along y begin.
+  for (const Eigen::Vector2d& at_m : {Eigen::Vector2d(0.05, 0), {-0.05, 0}, {0, 0.05}}) {
+    for (int i = -4; i <= 4; ++i) {
+      for (int j = -4; j <= 4; ++j) {
+        const Eigen::Vector3d p_m(at_m.x() + 0.003 * i, at_m.y() + 0.003 * j, 0.03);
+        surroundings.p_base_m.push_back((bin.T_base_bin * p_m).cast<float>());
+      }
+    }
+  }
+  graspd::Gripper gripper;
+  gripper.palm_size_m.y() = 0.06;
+  gripper.jaw_size_m.z() = 0.12;
+  const auto ways = strokes(surroundings, gripper, {});
+  ASSERT_THAT(ways, SizeIs(1));
+  EXPECT_LT(in_bin(bin, ways[0][1]).y(), -0.03);
+  for (Eigen::Vector3f& p_base_m : surroundings.p_base_m) {
+    Eigen::Vector3d p_m = bin.T_base_bin.inverse() * p_base_m.cast<double>();
+    p_m.z() = std::max(p_m.z(), 0.03);
+    p_base_m = (bin.T_base_bin * p_m).cast<float>();
+  }
+  EXPECT_THAT(strokes(surroundings, gripper, {}), SizeIs(4)) << "all are as bad";
+}
+
 TEST(StirTest, LongJawsGetToTheWallWhereThePalmStaysAboveTheRim) {
   const Bin bin = turned_bin();
   const Surroundings heap = heap_at(bin, 0.12, -0.07);

@@ -47,6 +47,22 @@ Eigen::Vector2d reach_m(const graspd::Gripper& gripper, double rim_m) {
   return reach_m;
 }
 
+/// Whether something lies where closed jaws come down. A hollow part that they come down into hangs
+/// on them, and no sensor of a gripper tells.
+bool is_below(const Surroundings& surroundings, const graspd::Gripper& gripper,
+              const Eigen::Isometry3d& T_base_tips) {
+  const Eigen::Isometry3f T_tips_base = T_base_tips.inverse().cast<float>();
+  const Eigen::Array2f half_m =
+      Eigen::Array2d(gripper.jaw_size_m.x(), gripper.jaw_size_m.y() / 2).cast<float>() +
+      static_cast<float>(kClearance_m);
+  std::size_t readings_n = 0;
+  for (const Eigen::Vector3f& p_base_m : surroundings.p_base_m) {
+    const Eigen::Vector3f p_m = T_tips_base * p_base_m;
+    readings_n += p_m.z() < 0 && (p_m.head<2>().array().abs() < half_m).all();
+  }
+  return readings_n >= kMinReadings_n;
+}
+
 Stroke stroke_between(const Eigen::Isometry3d& T_base_bin, const Eigen::Vector3d& from_m,
                       const Eigen::Vector3d& to_m, double up_z_m, double speed_share) {
   const auto pose = [&](const Eigen::Vector3d& p_bin_m) {
@@ -93,6 +109,12 @@ std::vector<Stroke> strokes(const Surroundings& surroundings, const graspd::Grip
           stroke_between(surroundings.bin->T_base_bin, from_m, to_m, up_z_m, options.speed_share));
       std::swap(from_m, to_m);
     }
+  }
+  const auto first_blocked = std::ranges::stable_partition(strokes, [&](const Stroke& stroke) {
+    return !is_below(surroundings, gripper, stroke[1].T_base_grasp);
+  });
+  if (first_blocked.begin() != strokes.begin()) {
+    strokes.erase(first_blocked.begin(), first_blocked.end());
   }
   return strokes;
 }
