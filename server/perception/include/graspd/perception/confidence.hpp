@@ -20,9 +20,9 @@ struct BinTerms {
   float explained = 0;  ///< of the bin's readings: by found parts, each by its confidence alone
   float leftover = 0;   ///< as above, where the surface that goes on is no found part's
 };
-/// Where the found parts explain so much of a bin, it holds what was asked for: bins of nothing
-/// else were explained by 0.41 and more, with ten parts among 35 others by 0.3 at most (nine in
-/// ten).
+/// Where the found parts explain so much of a bin, it holds what was asked for: full bins of
+/// nothing else were explained by 0.41 and more, nine in ten of those with ten parts among 35
+/// others by less than 0.31.
 inline constexpr float kExplainedEnough = 0.35F;
 
 /// In this bin. Where less is explained, there are things that nobody asked for, and pieces of
