@@ -73,7 +73,7 @@ TEST(StirTest, StrokesGoThroughTheTopOfThePileSlowlyAndStayInTheBin) {
   }
 }
 
-TEST(StirTest, ComesDownBesideWhatLiesThereWhereItCan) {
+TEST(StirTest, FirstComesDownBesideWhatLiesThere) {
   const Bin bin = turned_bin();
   Surroundings surroundings = heap_at(bin, 0, 0);
   // Higher than the tips, where the strokes along x and one of those along y begin.
@@ -89,14 +89,8 @@ TEST(StirTest, ComesDownBesideWhatLiesThereWhereItCan) {
   gripper.palm_size_m.y() = 0.06;
   gripper.jaw_size_m.z() = 0.12;
   const auto ways = strokes(surroundings, gripper, {});
-  ASSERT_THAT(ways, SizeIs(1));
+  ASSERT_THAT(ways, SizeIs(4)) << "where one does not help the next may";
   EXPECT_LT(in_bin(bin, ways[0][1]).y(), -0.03);
-  for (Eigen::Vector3f& p_base_m : surroundings.p_base_m) {
-    Eigen::Vector3d p_m = bin.T_base_bin.inverse() * p_base_m.cast<double>();
-    p_m.z() = std::max(p_m.z(), 0.03);
-    p_base_m = (bin.T_base_bin * p_m).cast<float>();
-  }
-  EXPECT_THAT(strokes(surroundings, gripper, {}), SizeIs(4)) << "all are as bad";
 }
 
 TEST(StirTest, LongJawsGetToTheWallWhereThePalmStaysAboveTheRim) {

@@ -110,12 +110,9 @@ std::vector<Stroke> strokes(const Surroundings& surroundings, const graspd::Grip
       std::swap(from_m, to_m);
     }
   }
-  const auto first_blocked = std::ranges::stable_partition(strokes, [&](const Stroke& stroke) {
+  std::ranges::stable_partition(strokes, [&](const Stroke& stroke) {
     return !is_below(surroundings, gripper, stroke[1].T_base_grasp);
   });
-  if (first_blocked.begin() != strokes.begin()) {
-    strokes.erase(first_blocked.begin(), first_blocked.end());
-  }
   return strokes;
 }
 

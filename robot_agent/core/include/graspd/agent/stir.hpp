@@ -23,7 +23,7 @@ struct StirOptions {
 using Stroke = std::array<Motion, 4>;
 
 /// Strokes through the highest place of the readings in the bin: along its x and its y side, each
-/// both ways; of these the ones that come down beside what lies there, if any does.
+/// both ways. First those that come down beside what lies there.
 /// \returns none where there is no bin, no reading in it, or no room in it for the gripper.
 std::vector<Stroke> strokes(const Surroundings& surroundings, const graspd::Gripper& gripper,
                             const StirOptions& options);
