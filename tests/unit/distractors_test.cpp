@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <string>
 #include <vector>
 
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/perception/planner.hpp"
 #include "graspd/simulation/scene.hpp"
+#include "part_test_support.hpp"
 
 /// Bins that hold other parts than the one that is asked for: pieces of these look like it.
 namespace graspd::perception {
@@ -17,10 +19,12 @@ struct BinOfOthers {
   std::vector<std::string> absent;
 };
 
+void PrintTo(const BinOfOthers& bin, std::ostream* out) { *out << bin.name; }
+
 class DistractorsTest : public testing::TestWithParam<BinOfOthers> {};
 
 TEST_P(DistractorsTest, HardlyAnythingIsFoundThatIsNotInTheBin) {
-  const auto catalogue = parts::Catalogue::load("deploy/parts");
+  const auto catalogue = parts::Catalogue::load(parts::own_parts_folder());
   simulation::SceneOptions options;
   options.parts = GetParam().parts;
   options.seed = 2000;

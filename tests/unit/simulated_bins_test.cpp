@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <ostream>
 
 #include "graspd/eval/evaluate.hpp"
 #include "graspd/perception/planner.hpp"
@@ -85,6 +86,8 @@ struct Pose {
   Eigen::Quaterniond R;
   double apart_m;  ///< two of these that touch
 };
+
+void PrintTo(const Pose& pose, std::ostream* out) { *out << pose.part_id; }
 
 class SimulatedBins : public testing::TestWithParam<Pose> {};
 
