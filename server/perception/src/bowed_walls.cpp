@@ -37,7 +37,8 @@ void straighten(DepthGrid& grid, const BowedWalls& walls, double bow_m) {
   }
   parallel_for(static_cast<std::size_t>(grid.height_px), [&](std::size_t v) {
     const float ray_y = (static_cast<float>(v) - grid.cy_px) / grid.fy_px;
-    const BowedWalls own = walls;  // so that no write to the image can be one to the walls
+    // So that no write to the image can be one to the walls.
+    const BowedWalls own = walls;  // NOLINT(performance-unnecessary-copy-initialization)
     const auto bow = static_cast<float>(bow_m);
     const float* x = ray_x.data();
     float* z_m = &grid.z_m[v * width];
