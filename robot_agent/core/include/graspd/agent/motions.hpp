@@ -18,7 +18,8 @@ enum class Step {
   kApproach,
   kClose,
   kLift,
-  kCheck,  ///< whether the gripper holds something: after the lift, the transfer, the release, a stir
+  kCheck,  ///< whether the gripper holds something: after the lift, the transfer, the release, a
+           ///< stir
   kTransfer,
   kPlace,
   kRelease,
