@@ -123,7 +123,8 @@ void CollisionScene::check_all(const Eigen::Isometry3d& T_floor_grasp, double op
 double CollisionScene::room_m(const Eigen::Isometry3d& T_floor_grasp, double opening_m) const {
   // The floor is where it is said to be.
   double above_floor_m = kRooms_m[0];
-  for (const GripperBox& box : SweptGripper(gripper_, opening_m).boxes()) {
+  const SweptGripper asked(gripper_, opening_m);  // lives as long as the loop over its boxes
+  for (const GripperBox& box : asked.boxes()) {
     above_floor_m = std::min(above_floor_m, lowest_m(OrientedBox(T_floor_grasp, box.box_m)));
   }
   for (const double room_m : kRooms_m) {
