@@ -14,7 +14,7 @@ constexpr LogOdds kAlone{-17.023F, 5.184F, -118.25F, 2.686F, -8.437F};
 struct LogOddsInBin {
   float at_zero, alone, explained, leftover;
 };
-constexpr LogOddsInBin kInBin{-2.069F, 0.837F, 2.763F, -25.784F};
+constexpr LogOddsInBin kInBin{-2.149F, 0.904F, 2.34F, -30.736F};
 
 float probability(float log_odds) { return 1 / (1 + std::exp(-log_odds)); }
 
