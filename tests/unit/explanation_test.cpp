@@ -138,7 +138,9 @@ TEST_F(ThreeBlocks, AreLessProbableAmongThingsThatNobodyAskedFor) {
   EXPECT_LT(terms[0].explained, 0.5F);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(terms[i].alone, terms_alone[i].alone);
-    EXPECT_LT(parts[i].pose.confidence, parts_alone[i].pose.confidence);
+    EXPECT_LE(parts[i].pose.confidence, parts_alone[i].pose.confidence);
+    const BinTerms of_more_clutter{terms[i].alone, terms[i].explained / 3, terms[i].leftover};
+    EXPECT_LT(confidence_in_bin(of_more_clutter), parts_alone[i].pose.confidence);
   }
 }
 
