@@ -39,7 +39,7 @@ TEST_P(DistractorsTest, HardlyAnythingIsFoundThatIsNotInTheBin) {
     false_n += got.objects.size();
     for (const Object& object : got.objects) EXPECT_LT(object.score, 0.3) << part;
   }
-  EXPECT_LE(false_n, 5U) << "25 among the brackets, were the bin not asked";
+  EXPECT_LE(false_n, 5U) << "17 among the brackets and 14 among the three, were the bin not asked";
   EXPECT_GE(answer(GetParam().parts.front().part_id).objects.size(), 3U);
 }
 

@@ -337,7 +337,7 @@ void place_coarsely(const PoseVerifier& verifier, const RegistrationParameters& 
 HypothesesFound find_hypotheses(const DepthGrid& grid, const PoseVerifier& verifier,
                                 std::span<const parts::Part* const> parts,
                                 const RegistrationParameters& parameters, const IsLate& is_late) {
-  AskedOften deadline(is_late);
+  Deadline deadline(is_late);
   const std::vector<Seed> seeds = choose_seeds(grid, parameters.seed_spacing_m);
   // Each seed and part has its own slots, so the threads' order does not show in the answer.
   const auto most = static_cast<std::size_t>(parameters.hypotheses_per_seed_n);
@@ -345,7 +345,7 @@ HypothesesFound find_hypotheses(const DepthGrid& grid, const PoseVerifier& verif
   std::vector<Proposed> proposed(seeds.size() * parts.size());
   tbb::enumerable_thread_specific<WorkingMemory> memory;
   parallel_for(proposed.size(), [&](std::size_t i) {
-    if (deadline.is_late()) return;
+    if (deadline.has_passed()) return;
     const std::size_t part = i % parts.size();
     proposed[i] = propose(grid, verifier, seeds[i / parts.size()], *parts[part],
                           static_cast<std::uint32_t>(part), parameters, memory.local(),
@@ -361,7 +361,7 @@ HypothesesFound find_hypotheses(const DepthGrid& grid, const PoseVerifier& verif
   }
   keep_distinct(verifier, found.poses, parameters.coarse_per_place_n, {0.006F, 0.25F});
   parallel_for(found.poses.size(), [&](std::size_t i) {
-    if (!deadline.is_late()) place_coarsely(verifier, parameters, found.poses[i]);
+    if (!deadline.has_passed()) place_coarsely(verifier, parameters, found.poses[i]);
   });
   std::erase_if(found.poses, [&](const PoseHypothesis& pose) {
     return pose.fit < static_cast<float>(parameters.min_coarse_score);

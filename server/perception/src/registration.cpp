@@ -118,9 +118,9 @@ RegistrationResult register_segments(const DepthFrame& frame, const Scene& scene
   const RegistrationMethod method = registration_method(parameters.method, parts, parameters);
   // Each segment has its own slot, so the threads' order does not show in the answer.
   std::vector<SegmentResult> found(segments.size());
-  AskedOften deadline(is_late);
+  Deadline deadline(is_late);
   parallel_for(segments.size(), [&](std::size_t i) {
-    if (deadline.is_late()) return;
+    if (deadline.has_passed()) return;
     found[i] = register_segment(frame, subset(scene.cloud, segments[i]), parts, method,
                                 parameters.inlier_tolerance_m);
   });

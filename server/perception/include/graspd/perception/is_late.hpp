@@ -11,18 +11,18 @@ using IsLate = std::function<bool()>;
 
 inline bool never_late() { return false; }
 
-/// Asks from many threads, and no more once it is late.
-class AskedOften {
+/// For loops over many threads: once it has passed, nobody is asked again.
+class Deadline {
  public:
-  explicit AskedOften(const IsLate& is_late) : is_late_(is_late) {}
-  bool is_late() {
-    if (!was_late_ && is_late_()) was_late_ = true;
-    return was_late_;
+  explicit Deadline(const IsLate& is_late) : is_late_(is_late) {}
+  bool has_passed() {
+    if (!has_passed_ && is_late_()) has_passed_ = true;
+    return has_passed_;
   }
 
  private:
   const IsLate& is_late_;
-  std::atomic<bool> was_late_ = false;
+  std::atomic<bool> has_passed_ = false;
 };
 
 }  // namespace graspd::perception
