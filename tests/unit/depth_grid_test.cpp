@@ -74,21 +74,49 @@ TEST(DepthGrid, NormalsAreThoseOfTheFaces) {
   EXPECT_GT(grid.normals[grid.cell_of(centre)].dot(normal), std::cos(0.05));
 }
 
+/// What the image says of one point.
+PoseCounts counts_of(const DepthGrid& grid, const Vector3f& p_m) {
+  const std::vector<float> padded(17, 0);
+  const KernelPose pose{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {p_m.x(), p_m.y(), p_m.z()}};
+  return count_evidence(grid.for_kernel(), pose, {padded.data(), padded.data(), padded.data(), 1},
+                        0.006F);
+}
+
+TEST(DepthGrid, BesideASilhouetteNothingIsRefutedHoweverFineTheImage) {
+  for (const double finer : {1, 2, 4}) {
+    CameraIntrinsics camera = testing::kinect_v2();
+    camera.fx_px *= finer;
+    camera.fy_px *= finer;
+    const DepthFrame frame = testing::render(camera, kFloorDepth_m, one_block());
+    DepthGrid grid = make_depth_grid(frame, above_floor(frame), PreprocessParameters{});
+    const auto beyond = [&](float beyond_m) {
+      return counts_of(grid, Vector3f(0.07F + beyond_m, -0.02F, 0.70F));
+    };
+    EXPECT_EQ(beyond(0.0016F).refute_n, 0) << finer;
+    EXPECT_EQ(beyond(0.0045F).refute_n, 1) << finer;
+
+    // Nor beside what is claimed, at any depth.
+    const Vector3f top_m(0.03F, -0.02F, 0.70F);
+    const Vector3f beside_m(0.0316F, -0.02F, 0.70F);
+    const float nearer = 0.9F;
+    EXPECT_EQ(counts_of(grid, nearer * beside_m).refute_n, 1) << finer;
+    grid.claim({static_cast<std::uint32_t>(grid.cell_of(top_m))});
+    EXPECT_EQ(counts_of(grid, nearer * beside_m).refute_n, 0) << finer;
+  }
+}
+
 TEST(DepthGrid, WhatIsClaimedHidesAndRefutesNothing) {
   const DepthFrame frame = testing::render(testing::kinect_v2(), kFloorDepth_m, one_block());
   DepthGrid grid = make_depth_grid(frame, above_floor(frame), PreprocessParameters{});
   const std::size_t cell = grid.cell_of({0.03F, -0.02F, 0.70F});
   const float z_m = grid.z_m[cell];
   EXPECT_TRUE(grid.is_open(cell));
-  const std::vector<float> padded(17, 0);
   const auto counts_at = [&](std::size_t at, float depth_m) {
     const auto width = static_cast<std::size_t>(grid.width_px);
     const std::size_t u = at % width, v = at / width;
-    const Vector3f p = depth_m * Vector3f((static_cast<float>(u) - grid.cx_px) / grid.fx_px,
-                                          (static_cast<float>(v) - grid.cy_px) / grid.fy_px, 1);
-    const KernelPose pose{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {p.x(), p.y(), p.z()}};
-    return count_evidence(grid.for_kernel(), pose, {padded.data(), padded.data(), padded.data(), 1},
-                          0.006F);
+    return counts_of(grid,
+                     depth_m * Vector3f((static_cast<float>(u) - grid.cx_px) / grid.fx_px,
+                                        (static_cast<float>(v) - grid.cy_px) / grid.fy_px, 1));
   };
   EXPECT_EQ(counts_at(cell, z_m).support_n, 1);
   EXPECT_EQ(counts_at(cell + 1, z_m - 0.1F).refute_n, 1);

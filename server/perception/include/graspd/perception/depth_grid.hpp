@@ -16,6 +16,7 @@ namespace graspd::perception {
 struct DepthGrid {
   int width_px = 0, height_px = 0;
   float fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
+  int blur_px = 1;                       ///< by which silhouettes of parts may be smeared
   std::vector<float> z_m;                ///< 0: no reading
   std::vector<Eigen::Vector3f> normals;  ///< towards the camera; 0 where there is none
   std::vector<float> curvatures;         ///< as of a Cloud
@@ -79,7 +80,7 @@ float sharpening_gain(const DepthGrid& grid);
 /// readings where there is no surface, and takes a small part half of its own.
 void sharpen_edges(DepthGrid& grid);
 
-/// Where parts are, and with that what poses are compared with: `is_part` and `packed`.
+/// Where parts are, and with that what poses are compared with: `is_part`, `blur_px` and `packed`.
 /// \param parts_cloud what lies above the floor.
 void mark_parts(const Cloud& parts_cloud, DepthGrid& grid);
 

@@ -8,9 +8,9 @@
 namespace graspd::perception {
 
 /// A depth image for the kernel. Each cell holds the reading at the pixel in its low 16 bits and
-/// the nearest reading within one pixel in its high ones, both in tenths of a millimetre. The low
-/// ones are 0 where no part can be (floor, walls), both where there is no reading, as in the
-/// outermost cells.
+/// the nearest reading within a few pixels in its high ones (DepthGrid::blur_px), both in tenths of
+/// a millimetre. The low ones are 0 where no part can be (floor, walls), both where there is no
+/// reading, as in the outermost cells.
 struct PackedDepth {
   static constexpr float kUnit_m = 1e-4F;
   const std::uint32_t* cells = nullptr;
@@ -34,7 +34,7 @@ struct PointSpan {
 struct PoseCounts {
   std::int32_t tested_n = 0;
   std::int32_t support_n = 0;  ///< a reading within tolerance at the point's pixel
-  std::int32_t refute_n = 0;   ///< every reading within a pixel lies behind
+  std::int32_t refute_n = 0;   ///< every reading near its pixel lies behind
   std::int32_t hidden_n = 0;   ///< the reading lies in front
   /// Of the supporting points: squares of the errors along the optical axis, in PackedDepth units.
   std::int32_t error2_sum = 0;
