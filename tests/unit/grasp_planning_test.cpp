@@ -140,6 +140,26 @@ TEST_F(PlanGrasps, StopsAtEnoughFreeOnes) {
   EXPECT_EQ(plan({bar_at({0, 0, 0.02})}).free.size(), 2U) << "and at enough tries";
 }
 
+TEST_F(PlanGrasps, LooksOnWhereThePreferredOnesHaveLittleRoom) {
+  parts::Part part = testing::bar();
+  for (const double x_m : {-0.012, -0.006, 0.0, 0.028}) {  // the preferred first
+    parts::PickPoint& point = part.pick_points.emplace_back();
+    point.position_m.x() = x_m;
+    point.closing = Vector3d::UnitY();
+    point.width_m = 0.02;
+    point.priority = -x_m;
+  }
+  // Two bars end 16 mm beside the first: at the middle jaw, clearance and margin just fit.
+  std::vector<PlacedPart> parts = {bar_at({0, 0, 0.02}), bar_at({-0.012, 0.066, 0.02}, M_PI / 2),
+                                   bar_at({-0.012, -0.066, 0.02}, M_PI / 2)};
+  parts[0].part = &part;
+  const PartGrasps grasps = plan(parts);
+  ASSERT_EQ(grasps.free.size(), 3U);
+  EXPECT_LT(grasps.free.front().room_m, CollisionScene::kAllRoom_m) << "the preferred stays first";
+  EXPECT_EQ(grasps.free.back().room_m, CollisionScene::kAllRoom_m);
+  EXPECT_NEAR(grasps.free.back().T_floor_grasp.translation().x(), 0.028, 1e-9);
+}
+
 TEST_F(PlanGrasps, ABuriedPartIsRejectedWithWhatLiesOnIt) {
   const PartGrasps grasps = plan({bar_at({0, 0, 0.005}), bar_at({0, 0, 0.016}, M_PI / 2)});
   EXPECT_TRUE(grasps.free.empty());

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <set>
 
+#include "graspd/perception/principal_axis.hpp"
 #include "pile_objects.hpp"
 #include "random_pile.hpp"
 
@@ -26,6 +27,7 @@ class Ranking : public ::testing::Test {
       objects_[i].id = static_cast<std::uint32_t>(100 + 7 * i);
       objects_[i].part_id = i % 2 == 0 ? "even" : "odd";
       objects_[i].T_base_part = pile[i].T_floor_part;
+      objects_[i].score = 1;
       objects_[i].visible_fraction = std::uniform_real_distribution<double>(0.4, 1)(random);
     }
     describe_pile(pile, parameters_, objects_);
@@ -156,6 +158,28 @@ TEST_F(Ranking, OfALayerTheRoomiestComesFirst) {
     }
   }
   EXPECT_GT(rooms_m.size(), 2U);
+}
+
+TEST_F(Ranking, OfALayerTheSureComeBeforeTheDoubtfulAndThePrincipalAxisLast) {
+  std::mt19937 random(11);
+  make_pile(random);
+  for (Object& object : objects_) {
+    object.supports_ids.clear();
+    object.entangled_ids.clear();
+    object.double_pick_ids.clear();
+    object.score = object.id % 3 == 0 ? 0.5 : 0.9;
+  }
+  for (Grasp& grasp : grasps_) {
+    if (grasp.pick_point == "0" && grasp.object_id % 2 == 0) grasp.pick_point = kPrincipalAxis;
+    grasp.room_m = grasp.pick_point == kPrincipalAxis || grasp.object_id % 3 == 0 ? 0.006 : 0;
+  }
+  const auto worth = [&](const Grasp& grasp) {
+    return std::pair(grasp.pick_point == kPrincipalAxis, object_of(grasp).score < 0.8);
+  };
+  const auto grasps = ranked();
+  EXPECT_TRUE(std::ranges::is_sorted(grasps, {}, worth));
+  EXPECT_EQ(worth(grasps.front()), std::pair(false, false));
+  EXPECT_EQ(worth(grasps.back()), std::pair(true, true));
 }
 
 TEST_F(Ranking, RoomDoesNotCountWhereTheOrderIsThePapersOrTheRequests) {

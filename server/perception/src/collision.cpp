@@ -13,7 +13,7 @@ namespace {
 constexpr double kLip_m = 0.003;
 /// What `CollisionScene::room_m` tries. Poses that are right are off by 1 to 2.5 mm in the median,
 /// by part.
-constexpr double kRooms_m[] = {0.006, 0.004, 0.002};
+constexpr double kRooms_m[] = {CollisionScene::kAllRoom_m, 0.004, 0.002};
 
 std::vector<OrientedBox> walls_of(const Bin& bin) {
   const Eigen::Vector3d& inner_m = bin.inner_size_m;

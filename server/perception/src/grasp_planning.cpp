@@ -130,6 +130,21 @@ PlannedGrasp explained_preferred(std::span<const GraspCandidate> candidates, con
                    parameters, scene);
 }
 
+/// Takes out the grasp that has the least room, of several the least preferred.
+/// \returns whether it has less than another.
+bool make_way_for(double room_m, std::vector<PlannedGrasp>& free) {
+  const auto least =
+      std::ranges::min_element(free.rbegin(), free.rend(), {}, &PlannedGrasp::room_m);
+  if (least->room_m >= room_m) return false;
+  free.erase(std::next(least).base());
+  return true;
+}
+
+bool has_all_room(const std::vector<PlannedGrasp>& free) {
+  return std::ranges::any_of(
+      free, [](const PlannedGrasp& grasp) { return grasp.room_m >= CollisionScene::kAllRoom_m; });
+}
+
 }  // namespace
 
 PartGrasps plan_grasps_of(std::size_t target, std::span<const PlacedPart> parts,
@@ -152,16 +167,19 @@ PartGrasps plan_grasps_of(std::size_t target, std::span<const PlacedPart> parts,
   if (can_be_lifted && candidates.empty()) count_rejected(Check::kOpening);
   const std::size_t tries_n =
       can_be_lifted ? static_cast<std::size_t>(parameters.tries_per_part_n) : 0;
+  const auto most_n = static_cast<std::size_t>(parameters.grasps_per_part_n);
   for (std::size_t i = 0; i < std::min(tries_n, candidates.size()); ++i) {
     const Trial trial = try_grasp(candidates[i], gripper, parameters, scene);
     if (const auto failure = first_failed(trial.verdicts)) {
       count_rejected(*failure);
       continue;
     }
+    const double room_m = scene.room_m(candidates[i].T_floor_grasp, trial.opening_m);
+    if (grasps.free.size() == most_n && !make_way_for(room_m, grasps.free)) continue;
     grasps.free.push_back(explained(trial, ids, gripper, parameters, scene));
-    grasps.free.back().room_m =
-        scene.room_m(candidates[i].T_floor_grasp, grasps.free.back().opening_width_m);
-    if (grasps.free.size() == static_cast<std::size_t>(parameters.grasps_per_part_n)) break;
+    grasps.free.back().room_m = room_m;
+    // Beside a neighbour the preferred ones may have little room, and a later one all of it.
+    if (grasps.free.size() == most_n && has_all_room(grasps.free)) break;
   }
   if (grasps.free.empty() && explain_rejected) {
     grasps.rejected =

@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "graspd/perception/grs.hpp"
+#include "graspd/perception/principal_axis.hpp"
 
 namespace graspd::perception {
 namespace {
@@ -72,6 +73,8 @@ struct Ranked {
   const Object* object = nullptr;
   std::uint32_t failures_n = 0, object_failures_n = 0;
   int layer = 0;
+  bool is_last_resort = false;
+  bool is_doubtful = false;
   double room_m = 0;
   double priority = 0;
   std::optional<double> preference;
@@ -91,9 +94,12 @@ std::vector<Ranked> with_objects(const PlanRequest& request, const GrsParameters
     grasp.score = preferred.value_or(object->grs.grs);
     const std::uint32_t failures_n = failures_at(grasp, request.failed_spots);
     const int layer = is_ours ? layers.of(*object) : 0;
-    const double room_m = is_ours && !preferred ? grasp.room_m : 0;
-    ranked.push_back({std::move(grasp), &*object, failures_n, 0, layer, room_m,
-                      priority_of(*object, request), preferred});
+    const bool by_risk = is_ours && !preferred;
+    const bool is_last_resort = by_risk && grasp.pick_point == kPrincipalAxis;
+    const bool is_doubtful = by_risk && object->score < parameters.sure_score;
+    const double room_m = by_risk ? grasp.room_m : 0;
+    ranked.push_back({std::move(grasp), &*object, failures_n, 0, layer, is_last_resort, is_doubtful,
+                      room_m, priority_of(*object, request), preferred});
   }
   return ranked;
 }
@@ -103,6 +109,7 @@ void take_turns(std::vector<Ranked>& ranked) {
   std::ranges::stable_sort(ranked, [](const Ranked& a, const Ranked& b) {
     if (a.object != b.object) return a.object->id < b.object->id;
     if (a.failures_n != b.failures_n) return a.failures_n < b.failures_n;
+    if (a.is_last_resort != b.is_last_resort) return b.is_last_resort;
     if (a.room_m != b.room_m) return a.room_m > b.room_m;
     return a.preference > b.preference;
   });
@@ -132,6 +139,8 @@ void rank_grasps(const PlanRequest& request, const Parameters& parameters,
     }
     if (a.layer != b.layer) return a.layer < b.layer;
     if (a.priority != b.priority) return a.priority > b.priority;
+    if (a.is_last_resort != b.is_last_resort) return b.is_last_resort;
+    if (a.is_doubtful != b.is_doubtful) return b.is_doubtful;
     if (a.turn != b.turn) return a.turn < b.turn;
     if (a.room_m != b.room_m) return a.room_m > b.room_m;
     if (a.preference != b.preference) return a.preference > b.preference;

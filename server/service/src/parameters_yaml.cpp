@@ -94,7 +94,7 @@ void visit(perception::RegistrationParameters& p, Visitor& section) {
 template <class Visitor>
 void visit(perception::GrsParameters& p, Visitor& section) {
   auto& [order, p_system, alpha, beta, k1, k2, neighbours_n, isolation_distance_m,
-         overlap_threshold_n, overlap_distance_m, confidence] = p;
+         overlap_threshold_n, overlap_distance_m, confidence, sure_score] = p;
   section.choice("order", order);
   section.choice("p_system", p_system);
   section.number("alpha", alpha, -1e6, 1e6);
@@ -107,6 +107,7 @@ void visit(perception::GrsParameters& p, Visitor& section) {
   section.number("overlap_distance_m", overlap_distance_m, 1e-4,
                  parts::ContactModel::kMaxDistance_m);
   section.number("confidence", confidence, 0, 10);
+  section.number("sure_score", sure_score, 0, 1);
 }
 
 template <class Visitor>

@@ -67,9 +67,10 @@ class CollisionScene {
   void check_all(const Eigen::Isometry3d& T_floor_grasp, double opening_m,
                  Verdicts& verdicts) const;
 
+  static constexpr double kAllRoom_m = 0.006;
   /// By how much wider, and longer where the floor is not nearer, the gripper could be and still
-  /// pass, in steps of 2 mm up to 6. The target, which the clearance is for, does not count.
-  /// \param opening_m at which the checks pass.
+  /// pass, in steps of 2 mm up to kAllRoom_m. The target, which the clearance is for, does not
+  /// count. \param opening_m at which the checks pass.
   double room_m(const Eigen::Isometry3d& T_floor_grasp, double opening_m) const;
 
   /// One check alone: the gripper against what the camera has seen, or has not.

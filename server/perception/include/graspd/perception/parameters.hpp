@@ -88,7 +88,8 @@ struct GrsParameters {
   double isolation_distance_m = 0.3;  ///< of neighbours that do not exist
   int overlap_threshold_n = 50;       ///< template points of P_system's count
   double overlap_distance_m = 0.001;
-  double confidence = 0;  ///< power of the registration's score that GRS is multiplied by
+  double confidence = 0;    ///< power of the registration's score that GRS is multiplied by
+  double sure_score = 0.8;  ///< less probable objects come last in their layer
 };
 
 /// Who lies on whom. `over`: the columns in which one part is over another, as a share of those of
