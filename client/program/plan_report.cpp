@@ -147,6 +147,8 @@ std::string plan_report(const PlanAnswer& answer, std::chrono::nanoseconds round
   for (const std::string& warning : answer.warnings) text += fmt::format("warning   {}\n", warning);
   if (answer.fill_level)
     text += fmt::format("fill      {:.0f} % of the bin\n", *answer.fill_level * 100);
+  if (answer.bin_drift_m)
+    text += fmt::format("drift     {:.1f} mm, of the bin's rim\n", *answer.bin_drift_m * 1e3);
   text += checks_not_run(answer);
   text += fmt::format("funnel    {}\n", funnel_line(answer.funnel));
   text += fmt::format("time ms   {}\n", timings_line(answer, round_trip));

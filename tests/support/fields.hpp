@@ -85,8 +85,8 @@ inline auto fields(ServerInfo& s) {
   return std::tie(a, b, c);
 }
 inline auto fields(PlanAnswer& s) {
-  auto& [a, b, c, d, e, f, g, h, i, j] = s;
-  return std::tie(a, b, c, d, e, f, g, h, i, j);
+  auto& [a, b, c, d, e, f, g, h, i, j, k] = s;
+  return std::tie(a, b, c, d, e, f, g, h, i, j, k);
 }
 inline auto fields(CodeCount& s) {
   auto& [a, b] = s;

@@ -144,8 +144,10 @@ TEST_F(BinDriftTest, AFewReadingsSayNothing) {
 TEST_F(BinDriftTest, ABinThatHasDriftedIsWarnedOf) {
   const PlanAnswer in_place = plan_of(frame_of({}, 10));
   EXPECT_THAT(in_place.warnings, IsEmpty());
+  EXPECT_LT(in_place.bin_drift_m.value(), 0.006);
   const PlanAnswer answer = plan_of(frame_of({0.012, 0, 1.5 * kDegree_rad}, 10));
   EXPECT_NE(answer.outcome, Outcome::kBinNotFound);
+  EXPECT_NEAR(answer.bin_drift_m.value(), 0.016, 0.004) << "at the corners 1.5° are 5 mm more";
   ASSERT_EQ(answer.warnings.size(), 1U);
   EXPECT_THAT(answer.warnings[0], AllOf(HasSubstr("the bin lies 1"), HasSubstr("mm along its x"),
                                         HasSubstr("and 1."), HasSubstr("T_base_bin")));
@@ -155,6 +157,7 @@ TEST_F(BinDriftTest, ABinTooFarOffIsNotFound) {
   const PlanAnswer answer = plan_of(frame_of({-0.035, 0.02, 0}, 10));
   EXPECT_EQ(answer.outcome, Outcome::kBinNotFound);
   EXPECT_THAT(answer.reason, HasSubstr("the bin lies -3"));
+  EXPECT_NEAR(answer.bin_drift_m.value(), 0.040, 0.004);
   EXPECT_THAT(answer.grasps, IsEmpty());
   parameters_.preprocess.max_bin_drift_m = 0.05;
   EXPECT_NE(plan_of(frame_of({-0.035, 0.02, 0}, 10)).outcome, Outcome::kBinNotFound);

@@ -50,7 +50,7 @@ const std::vector<BinOfOthers> kBins = {
      {{"straight_pipe", 10}, {"l_bracket", 10}, {"hex_bolt", 10}},
      {"tee", "elbow", "flanged_ring"}}};
 INSTANTIATE_TEST_SUITE_P(Bins, DistractorsTest, testing::ValuesIn(kBins),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace graspd::perception

@@ -2,32 +2,16 @@
 
 #include <gmock/gmock.h>
 
-#include "graspd/perception/bin_drift.hpp"
-
 namespace graspd::agent {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// An answer in the server's own words, so that a change of them is noticed here.
 PlanAnswer off_by(double drift_m) {
   PlanAnswer answer;
-  answer.warnings = {"another warning",
-                     perception::sentence_of({Eigen::Vector2d(drift_m, 0), 0, drift_m})};
+  answer.bin_drift_m = drift_m;
   return answer;
-}
-
-TEST(BinDrift, IsReadInWarningOrReason) {
-  EXPECT_NEAR(bin_drift_m(off_by(0.0084)).value(), 0.0084, 1e-6);
-  PlanAnswer not_found;
-  not_found.outcome = Outcome::kBinNotFound;
-  not_found.reason = off_by(0.042).warnings[1];
-  EXPECT_NEAR(bin_drift_m(not_found).value(), 0.042, 1e-6);
-  EXPECT_FALSE(bin_drift_m({}));
-  PlanAnswer other;
-  other.warnings = {"the bin lies in the sun", "its rim by up to 9 mm"};
-  EXPECT_FALSE(bin_drift_m(other));
 }
 
 TEST(DriftAlarm, IsRaisedOnceAfterSeveralAnswersInARow) {

@@ -112,7 +112,7 @@ TEST_F(RecordsTest, APickBecomesOneLineOfJson) {
 TEST_F(RecordsTest, AnAlarmIsKeptWithTheFrameThatRaisedIt) {
   task.drift = {.limit_m = 0.006, .answers_n = 2};
   PlanAnswer adrift = agent::planned();
-  adrift.warnings = {"the bin lies 8 mm away, its rim by up to 8.0 mm"};
+  adrift.bin_drift_m = 0.008;
   script({adrift, adrift, adrift, agent::planned()});
   run();
   std::vector<std::string> alarms;

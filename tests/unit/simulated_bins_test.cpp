@@ -113,7 +113,7 @@ TEST_P(SimulatedBins, TwoPartsInOneSegmentAreTwo) {
 INSTANTIATE_TEST_SUITE_P(Parts, SimulatedBins,
                          testing::Values(Pose{"straight_pipe", kOnItsSide, 0.03},
                                          Pose{"tee", kFlat, 0.04}, Pose{"elbow", kFlat, 0.04}),
-                         [](const auto& info) { return info.param.part_id; });
+                         [](const auto& test) { return test.param.part_id; });
 
 TEST(SimulatedBinsTest, EachOfSeveralTypesIsFoundAsWhatItIs) {
   const BopImage image =

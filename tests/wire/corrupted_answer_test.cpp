@@ -132,6 +132,8 @@ INSTANTIATE_TEST_SUITE_P(
         AnswerRow{"funnel_missing", Kind::kPlan, {{"plan.funnel", kClear}}, "plan.funnel: missing"},
         AnswerRow{
             "fill_level_nan", Kind::kPlan, {{"plan.fill_level", "nan"}}, "plan.fill_level: nan"},
+        AnswerRow{
+            "bin_drift_nan", Kind::kPlan, {{"plan.bin_drift_m", "nan"}}, "plan.bin_drift_m: nan"},
         AnswerRow{"stage_newline",
                   Kind::kPlan,
                   {{"plan.timings[0].stage", "\"\\n\""}},

@@ -185,6 +185,7 @@ Answer plan_answer() {
       .grasps = {grasp(CheckState::kPassed, "")},
       .rejected_grasps = {grasp(CheckState::kFailed, "left jaw touches 12 points")},
       .fill_level = 0.375,
+      .bin_drift_m = {},
       .timings = {{"queue", 1200}, {"segmentation", 84'000'000}},
       .server = kServer};
   return {.id = id_from(1), .code = Code::kOk, .message = "", .retry_after_ms = 0, .body = plan};
@@ -199,6 +200,13 @@ Answer pile_answer() {
   plan.objects[1].double_pick_ids = {7};
   plan.objects[1].grs.load = 0.75;
   plan.objects[1].grs.cover = 0.5;
+  return answer;
+}
+
+/// With how far the bin is off.
+Answer drifted_answer() {
+  Answer answer = plan_answer();
+  std::get<PlanAnswer>(answer.body).bin_drift_m = 0.0084;
   return answer;
 }
 
@@ -274,7 +282,8 @@ std::map<std::string, Answer> answers() {
           {"0.1.0_plan_answer", plan_answer()},
           {"0.1.0_refusal", refusal()},
           {"0.1.0_stats_answer", stats_answer()},
-          {"0.1.0_pile_answer", pile_answer()}};
+          {"0.1.0_pile_answer", pile_answer()},
+          {"0.1.0_drifted_answer", drifted_answer()}};
 }
 
 TEST(Golden, Requests) {

@@ -54,6 +54,7 @@ void compare_preprocess(const PlanAnswer& before, const PlanAnswer& now, Compari
   to.compare("after_voxel_grid_n", a.after_voxel_grid_n, b.after_voxel_grid_n);
   to.compare("after_plane_n", a.after_plane_n, b.after_plane_n);
   to.compare("fill_level", text_or_none(before.fill_level), text_or_none(now.fill_level));
+  to.compare("bin_drift_m", text_or_none(before.bin_drift_m), text_or_none(now.bin_drift_m));
   const auto has_bin = [](const PlanAnswer& answer) {
     return answer.outcome != Outcome::kBinNotFound;
   };

@@ -165,6 +165,7 @@ PlanAnswer read(const v1::PlanAnswer& in, const Field& at) {
   answer.grasps = read_list(in.grasps(), at("grasps"));
   answer.rejected_grasps = read_list(in.rejected_grasps(), at("rejected_grasps"));
   if (in.has_fill_level()) answer.fill_level = at("fill_level").number(in.fill_level());
+  if (in.has_bin_drift_m()) answer.bin_drift_m = at("bin_drift_m").number(in.bin_drift_m());
   answer.timings = read_list(in.timings(), at("timings"));
   answer.server = read(in.server(), at("server").required(in.has_server()));
   check_ids(answer, at);

@@ -100,6 +100,7 @@ void write(const PlanAnswer& answer, v1::PlanAnswer& out) {
   write_list(answer.grasps, *out.mutable_grasps());
   write_list(answer.rejected_grasps, *out.mutable_rejected_grasps());
   if (answer.fill_level) out.set_fill_level(*answer.fill_level);
+  if (answer.bin_drift_m) out.set_bin_drift_m(*answer.bin_drift_m);
   write_list(answer.timings, *out.mutable_timings());
   write(answer.server, *out.mutable_server());
 }

@@ -243,6 +243,7 @@ Result<PlanAnswer> plan(const DepthFrame& frame, const PlanRequest& request,
   std::optional<BinDrift> drift;
   parallel_invoke([&] { scene = look(frame, request, *parts, parameters, answer); },
                   [&] { drift = drift_of_bin(frame, request, parameters.preprocess); });
+  if (drift) answer.bin_drift_m = drift->corner_m;
   const auto nowhere = misplaced_bin(scene, drift, parameters.preprocess, answer.warnings);
   clock.finished("preprocess");
   if (nowhere) {

@@ -157,6 +157,9 @@ struct PlanAnswer {
   std::vector<Grasp> grasps;  ///< best first
   std::vector<Grasp> rejected_grasps;
   std::optional<double> fill_level;  ///< of the bin's volume, where a bin was given
+  /// Of the corner of the bin's rim that is off most from where the request says, where the walls
+  /// were seen.
+  std::optional<double> bin_drift_m;
   std::vector<StageTiming> timings;
   ServerInfo server;
 };

@@ -9,10 +9,6 @@
 
 namespace graspd::agent {
 
-/// By how much the bin's rim is off where the request said, in a server's own words: its warning,
-/// or its reason for BIN_NOT_FOUND. Nothing where it says nothing of the kind.
-std::optional<double> bin_drift_m(const PlanAnswer& answer);
-
 /// When a drift counts as one.
 struct DriftPolicy {
   double limit_m = 0.006;
