@@ -216,6 +216,25 @@ TEST(PhysicsCellTest, WhatLosesItsSupportFalls) {
   EXPECT_LT(scripted.cell->parts()[2].T_base_part.translation().z(), 0.022);
 }
 
+TEST(PhysicsCellTest, WhatDoesNotComeToRestInTimeIsLetStand) {
+  for (const double settle_within_s : {0.01, 4.0}) {
+    PhysicsCellOptions options = scripted_options();
+    options.settle_within_s = settle_within_s;
+    ScriptedCell scripted({box_mesh(kBox_m)}, {{0, at(0, 0, kBox_m.z() / 2)}}, options);
+    hold(scripted);
+    PhysicsCell& cell = *scripted.cell;
+    cell.open(kBox_m.x() + 0.003);  // it falls
+    const auto T_seen = [&] {
+      cell.frame();
+      return cell.parts()[0].T_base_part.matrix();
+    };
+    const Eigen::Matrix4d first = T_seen();
+    EXPECT_EQ(first(2, 3) > kBox_m.z(), settle_within_s < 1) << first(2, 3);
+    cell.wait(0.1);
+    EXPECT_EQ(T_seen(), first);
+  }
+}
+
 struct Outcome {
   PickTrace trace;
   std::vector<std::uint16_t> depth;

@@ -39,9 +39,13 @@ PartBodies::~PartBodies() {
 }
 
 bool PartBodies::is_any_loose() const {
-  return std::ranges::any_of(bodies_, [](const Body& body) {
-    return !body.is_frozen && !body.is_gone && !body.is_touched;
-  });
+  return std::ranges::any_of(bodies_, &PartBodies::is_loose);
+}
+
+void PartBodies::rest() {
+  for (Body& body : bodies_) {
+    if (is_loose(body)) freeze(body);
+  }
 }
 
 Eigen::Isometry3d PartBodies::T_bin_part(std::size_t i) const {

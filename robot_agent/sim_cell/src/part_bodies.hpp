@@ -29,6 +29,8 @@ class PartBodies {
   bool is_touched(std::size_t i) const { return bodies_[i].is_touched; }
   /// Whether any part still moves, but for those that the robot touches.
   bool is_any_loose() const;
+  /// Lets those parts stand where they are.
+  void rest();
   const simulation::PartShape& shape(std::size_t i) const { return shapes_[bodies_[i].kind]; }
   std::size_t kind(std::size_t i) const { return bodies_[i].kind; }
   Eigen::Isometry3d T_bin_part(std::size_t i) const;
@@ -63,6 +65,9 @@ class PartBodies {
     bool is_touched = false;
   };
 
+  static bool is_loose(const Body& body) {
+    return !body.is_frozen && !body.is_gone && !body.is_touched;
+  }
   void freeze(Body& body);
   void thaw(Body& body);
   std::vector<bool> hanging_in_robot(std::span<const simulation::Contact> contacts) const;

@@ -42,6 +42,7 @@ struct PhysicsCellOptions {
   RobotPose start;
   simulation::PileOptions parts;  ///< density, friction and restitution as the pile was made with
   std::uint64_t seed = 1;         ///< of the sensor's noise
+  double settle_within_s = 4;     ///< before a frame; what still creeps then is let stand
 };
 
 /// Where a part of the cell truly is.
