@@ -174,7 +174,8 @@ TEST_F(Ranking, OfALayerTheSureComeBeforeTheDoubtfulAndThePrincipalAxisLast) {
     grasp.room_m = grasp.pick_point == kPrincipalAxis || grasp.object_id % 3 == 0 ? 0.006 : 0;
   }
   const auto worth = [&](const Grasp& grasp) {
-    return std::pair(grasp.pick_point == kPrincipalAxis, object_of(grasp).score < 0.8);
+    return std::pair(grasp.pick_point == kPrincipalAxis,
+                     object_of(grasp).score < parameters_.grs.sure_score);
   };
   const auto grasps = ranked();
   EXPECT_TRUE(std::ranges::is_sorted(grasps, {}, worth));

@@ -130,8 +130,8 @@ PlannedGrasp explained_preferred(std::span<const GraspCandidate> candidates, con
                    parameters, scene);
 }
 
-/// Takes out the grasp that has the least room, of several the least preferred.
-/// \returns whether it has less than another.
+/// Takes out the grasp with the least room, of several the least preferred, where a new one has
+/// more. \returns whether it did.
 bool make_way_for(double room_m, std::vector<PlannedGrasp>& free) {
   const auto least =
       std::ranges::min_element(free.rbegin(), free.rend(), {}, &PlannedGrasp::room_m);
